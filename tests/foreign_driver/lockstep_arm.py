@@ -16,7 +16,7 @@ from foreign_driver.joint_trajectory_controller import (
     Waypoint,
 )
 from foreign_driver.trajectory_follower import TrajectoryFollower
-from pack_core.joints import Setpoints
+from pack_core.joints import JointSample, Setpoints
 from pack_core.rotations import Array
 from pack_lockstep.driven_arm import ReferenceDriver
 from pack_motion.controller import MotionController
@@ -33,6 +33,7 @@ class TrajectoryDrivenArm:
     Attributes:
         sent: trajectories.
         trouble: why goals ended that were not replaced.
+        sample: the joints as measured last; None before the first period.
     """
 
     def __init__(
@@ -48,6 +49,7 @@ class TrajectoryDrivenArm:
         self._tolerances = Tolerances(tolerance, tolerance, 1.0)
         self._ticks = self.sent = 0
         self.trouble: list[str] = []
+        self.sample: JointSample | None = None
 
     @property
     def q_des(self) -> Array:
@@ -57,7 +59,7 @@ class TrajectoryDrivenArm:
 
     def advance(self) -> None:
         """A period: a measurement is answered, and the physics go on."""
-        sample = self._simulator.joints()
+        self.sample = sample = self._simulator.joints()
         command = self._output.advance(
             replace(sample, time=self._clock.at(sample.time)), is_stopped=self._driver.is_stopped
         )

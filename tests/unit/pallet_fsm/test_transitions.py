@@ -237,7 +237,11 @@ def test_a_box_can_change_from_where_the_arm_comes_over_it_until_it_is_gripped()
 
 
 def test_a_place_can_change_in_every_step() -> None:
-    assert knowing(Event.PLACE_CHANGED) == set(NUMBERED)
+    assert knowing(Event.PLACE_CHANGED) == {*NUMBERED, State.PUT_BACK}
+
+
+def test_a_load_can_have_another_weight_wherever_a_box_is_carried() -> None:
+    assert knowing(Event.WRONG_WEIGHT) == set(HOLDING) - {State.PUT_BACK}
 
 
 def test_the_reason_is_that_of_the_last_fault() -> None:

@@ -52,6 +52,9 @@ class DrivenArm:
         q: joint positions `(n,)` [rad] at the start, where the arm is at rest.
         period: between two setpoints [s].
         on_refusal: called with the reason when the simulator refuses setpoints.
+
+    Attributes:
+        sample: the joints as the motion has measured them last; None before the first step.
     """
 
     def __init__(
@@ -65,6 +68,7 @@ class DrivenArm:
         self._motion, self._simulator, self._period = motion, simulator, period
         self._setpoint = JointState.at_rest(q)
         self._on_refusal = on_refusal
+        self.sample: JointSample | None = None
 
     @property
     def q_des(self) -> Array:
@@ -74,7 +78,8 @@ class DrivenArm:
     def advance(self) -> None:
         """Make one step of the motion controller, and the physics steps of the same period."""
         simulator, period, last = self._simulator, self._period, self._setpoint
-        new = self._motion.step(simulator.time + period, simulator.joints())
+        self.sample = simulator.joints()
+        new = self._motion.step(simulator.time + period, self.sample)
         q, v, a = (np.stack(pair) for pair in ((last.q, new.q), (last.v, new.v), (last.a, new.a)))
         try:
             simulator.accept(Setpoints(simulator.time, np.array([0.0, period]), q, v, a=a))

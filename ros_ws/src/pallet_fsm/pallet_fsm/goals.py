@@ -98,6 +98,11 @@ class Goals:
     def __init__(self, cell: PalletizingCell, config: ToolPoseConfig) -> None:
         self._cell, self._config = cell, config
 
+    @property
+    def drop(self) -> float:
+        """How high a box is let go over what it is put on [m]."""
+        return self._config.drop
+
     def grasps(self, item: WorkItem, X_WT: Pose) -> list[Pose]:
         """Tool poses on the top face of the box where it stands."""
         assert item.X_WB is not None

@@ -289,4 +289,6 @@ class LegRunner:
 
     def _standing_on(self, place: Place, item: WorkItem) -> frozenset[str]:
         """Names of the obstacles that a box touches, or nearly touches, where it is put down."""
-        return self._book.beside(item) if place is Place.PALLET else frozenset({REORIENTATION_TABLE})
+        if place is Place.PALLET:
+            return self._book.beside(item)
+        return frozenset({item.source if place is Place.TABLE_A else REORIENTATION_TABLE})

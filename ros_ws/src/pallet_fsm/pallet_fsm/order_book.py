@@ -32,7 +32,9 @@ class WorkItem:
         has_come: whether it stands there already, so that nobody needs to be sent for it.
         X_WB: estimated pose where it stands; None before it was detected and while it is gripped.
         X_TB: pose in the tool's frame while it is gripped; None otherwise.
+        X_WG: pose of the tool at which it was gripped on its table, as long as it can be put back there.
         approach: approach direction of the tool when it stood the box up on table B `(3,)`.
+        weighed: its mass by the arm's torques after the last grip [kg]; None before it was weighed.
         outcome: what became of the box.
         reason: why it was skipped or lost; empty otherwise.
         tries: number of faults of each kind so far.
@@ -45,7 +47,9 @@ class WorkItem:
     has_come: bool = False
     X_WB: Pose | None = None
     X_TB: Pose | None = None
+    X_WG: Pose | None = None
     approach: Array | None = None
+    weighed: float | None = None
     outcome: BoxOutcome = BoxOutcome.PENDING
     reason: str = ""
     tries: Counter[State] = field(default_factory=Counter)
@@ -200,7 +204,8 @@ class OrderBook:
         """What became of each box."""
         return tuple(
             BoxReport(
-                item.name, item.box.dims, item.box.weight, item.handling.value, item.outcome, item.reason,
+                item.name, item.box.dims, item.box.weight, item.weighed, item.handling.value, item.outcome,
+                item.reason,
                 item.plan.insertion.direction,
                 placed_pose(item.plan.placed, item.box, self._cell.deck(item.deck).X_WD, item.X_WB),
             )

@@ -21,12 +21,13 @@ from pack_core.palletizing.ports import (
 from pallet_fsm import goals, place_watch
 from pallet_fsm.box_watch import BoxWatch
 from pallet_fsm.leg_runner import LegRunner
+from pallet_fsm.load_watch import LoadWatch
 from pallet_fsm.machine import Machine
 from pallet_fsm.order_book import OrderBook, WorkItem
 from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.place_watch import PlaceWatch
 from pallet_fsm.report import BoxOutcome, OrderReport
-from pallet_fsm.states import FAULTS, HOLDING, ROWS, Grip, Place, State, profile_of
+from pallet_fsm.states import CARRYING, FAULTS, HOLDING, ROWS, Grip, Place, State, profile_of
 from pallet_fsm.transitions import Event, Guard
 
 
@@ -95,6 +96,7 @@ class Palletizer:
         self._profile = profile_of(config.profile)
         self._watch = BoxWatch(config, cell)
         self._places = PlaceWatch(config.scans, cell, self._book)
+        self._load = LoadWatch(config.weighing, cell)
         self._grip = GripCycle(config.dwell, config.grip_patience)
         self.machine = Machine(time, self._holds, self.item.name)
         self._legs = LegRunner(self._profile, self._book, cell, config, self._stop_after)
@@ -129,6 +131,7 @@ class Palletizer:
         self._commands = []
         self._watch.observe(seen)
         self._places.observe(seen)
+        self._load.observe(seen)
         while not self.machine.is_over and (found := self._happened(seen)) is not None:
             self._fire(*found, seen)
         if not self.machine.is_over:
@@ -138,8 +141,8 @@ class Palletizer:
     def _happened(self, seen: PalletObservation) -> tuple[Event, str] | None:
         """The event that takes the machine on, and its reason; None while there is none."""
         state = self.machine.state
-        if state is State.BOX_CHANGED and not _is_standing(seen.motion):
-            return None  # it goes back to look once more, from where it comes to rest
+        if state in (State.BOX_CHANGED, State.WRONG_WEIGHT) and not _is_standing(seen.motion):
+            return None  # it goes back from where it comes to rest
         if state in FAULTS:
             return Event.ASSESSED, ""
         if state is State.SKIP_BOX:
@@ -164,6 +167,8 @@ class Palletizer:
                 Event.LIMIT_PASSED if has_let_go else Event.BOX_LOST,
                 seen.grip.reason or "nothing in the hand",
             )
+        if state in CARRYING and (fault := self._load.fault()):
+            return Event.WRONG_WEIGHT, fault
         if state in TOWARDS_BOX and (change := self._watch.change(seen)) is not None:
             return change
         if self._waits_for_sight(state) and _is_standing(seen.motion):
@@ -214,12 +219,18 @@ class Palletizer:
         item, X_WT = self.item, seen.motion.X_WT
         if event is Event.GRIPPED:
             item.take(X_WT)
+            item.X_WG = X_WT if ROWS[state].place is Place.TABLE_A else None
+            self._load.take(item)
             self._legs.note_grip(state, item)
             item.approach = None
         elif event is Event.RELEASED:
             item.let_go(X_WT, self._config.poses.drop)
+            self._load.let_go()
             if ROWS[state].place is Place.PALLET:
                 item.finish(BoxOutcome.PLACED)
+            elif state is State.PUT_BACK:
+                item.tries[state] += 1
+                self._watch.forget()
             else:
                 item.approach = self._legs.approach
         elif event is Event.REACHED and state is State.RETURN:
@@ -232,10 +243,11 @@ class Palletizer:
             self._watch.forget()
         if fault is State.PLACE_CHANGED:
             self._places.note_loss()
-        if fault in (State.MOTION_STUCK, State.BOX_CHANGED):
+        if fault in (State.MOTION_STUCK, State.BOX_CHANGED, State.WRONG_WEIGHT):
             self._commands.append(StopArm())
         if fault is State.BOX_CHANGED:
             self._watch.forget()
+        if fault in (State.BOX_CHANGED, State.WRONG_WEIGHT):
             self._legs.drop()
         if fault in (State.BOX_LOST, State.LIMIT_PASSED):
             self.item.finish(BoxOutcome.LOST, self.machine.reason)
@@ -266,6 +278,7 @@ class Palletizer:
             Guard.IS_HOLDING: item.X_TB is not None,
             Guard.IS_FINISHED: item.is_finished,
             Guard.IS_ON_TABLE: item.approach is not None,
+            Guard.IS_FROM_TABLE_A: item.X_WG is not None,
             Guard.IS_UNSEEN: item.X_WB is None and item.X_TB is None,
         }[guard]
 

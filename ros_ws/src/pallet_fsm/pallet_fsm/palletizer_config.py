@@ -136,6 +136,18 @@ class ScanConfig(Config):
         return self
 
 
+class WeighingConfig(Config):
+    """How a box in the hand is weighed by the torques of the arm, and what counts as another weight."""
+
+    window: NonNegativeFloat = Field(
+        default=0.4, description="in motion after each grip, over which it is weighed; 0: never [s]"
+    )
+    tolerance: PositiveFloat = Field(
+        default=1.0, description="by which it may differ from what the order says, whatever that is [kg]"
+    )
+    share: NonNegativeFloat = Field(default=0.1, description="and by which share of that beyond it")
+
+
 class MoverConfig(Config):
     """How long the machine waits for the motion, and until when before the gripper acts."""
 
@@ -170,4 +182,5 @@ class PalletizerConfig(Config):
     feeder: FeederConfig = FeederConfig()
     second_look: SecondLookConfig = SecondLookConfig()
     scans: ScanConfig = ScanConfig()
+    weighing: WeighingConfig = WeighingConfig()
     mover: MoverConfig = MoverConfig()

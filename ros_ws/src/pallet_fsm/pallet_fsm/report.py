@@ -28,7 +28,8 @@ class BoxReport:
     Attributes:
         name: name of the box.
         dims: edges as it arrives [m].
-        mass: mass of the box [kg].
+        mass: mass of the box as it was told [kg].
+        weighed: its mass by the arm's torques after the last grip [kg]; None where it was not weighed.
         handling: none, flip or table.
         outcome: what became of the box.
         reason: why it was skipped or lost; empty otherwise.
@@ -39,6 +40,7 @@ class BoxReport:
     name: str
     dims: tuple[float, float, float]
     mass: float
+    weighed: float | None
     handling: str
     outcome: BoxOutcome
     reason: str
@@ -76,7 +78,8 @@ class OrderReport:
         cycles = self.cycle_times()
         boxes = [
             {
-                "name": box.name, "dims": list(box.dims), "mass": box.mass, "handling": box.handling,
+                "name": box.name, "dims": list(box.dims), "mass": box.mass,
+                "weighed": box.weighed, "handling": box.handling,
                 "outcome": box.outcome.value, "reason": box.reason,
                 "direction": box.direction, "pose": [*box.X_WB.p, *box.X_WB.q],
                 "cycle_s": cycles.get(box.name),

@@ -38,12 +38,14 @@ class State(Enum):
     DEPOSIT = 18
     RETREAT = 19
     RETURN = 20
+    PUT_BACK = "put back"
     NO_DETECTION = "no detection"
     WRONG_SIZE = "wrong size"
     BOX_CHANGED = "box changed"
     PLACE_CHANGED = "place changed"
     GRIP_FAILED = "grip failed"
     BOX_LOST = "box lost"
+    WRONG_WEIGHT = "wrong weight"
     MOTION_STUCK = "motion stuck"
     LIMIT_PASSED = "limit passed"
     NOT_CLEAR = "not clear"
@@ -181,17 +183,31 @@ STEPS = (
              _FAST, _EMPTY, _TRANSIT, feeds=True),
 )
 # fmt: on
+"""The thesis's steps (Table 8.1)."""
+PUT_BACK = StateRow(
+    State.PUT_BACK,
+    "back to where the box was gripped, let go",
+    _SLOW,
+    _OPEN,
+    _PRECISE,
+    _FREE,
+    _FINAL,
+    _TABLE_A,
+)
+"""The one step more: for a box that has not the weight that it should have."""
 
-ROWS = {row.state: row for row in STEPS}
-MOVING = tuple(row.state for row in STEPS if row.mode is not None)
+ROWS = {row.state: row for row in (*STEPS, PUT_BACK)}
+MOVING = tuple(row.state for row in ROWS.values() if row.mode is not None)
 """States in which the arm has a target."""
-HOLDING = tuple(row.state for row in STEPS if row.grip in (Grip.HOLD, Grip.OPEN))
+HOLDING = tuple(row.state for row in ROWS.values() if row.grip in (Grip.HOLD, Grip.OPEN))
 """States in which the gripper holds a box."""
+CARRYING = tuple(state for state in HOLDING if state is not State.PUT_BACK)
+"""States in which a box is on its way; if it has not the weight that it should have it is put back."""
 BEFORE_REGRASP = (State.STEP_BACK, State.RISE, State.ABOVE_TABLE, State.REGRASP)
 """States in which a box stands free on table B."""
 FAULTS = (
     State.NO_DETECTION, State.WRONG_SIZE, State.BOX_CHANGED, State.PLACE_CHANGED, State.GRIP_FAILED,
-    State.BOX_LOST, State.MOTION_STUCK, State.LIMIT_PASSED, State.NOT_CLEAR,
+    State.BOX_LOST, State.WRONG_WEIGHT, State.MOTION_STUCK, State.LIMIT_PASSED, State.NOT_CLEAR,
 )  # fmt: skip
 ENDS = (State.SAFE_STOP, State.DONE)
 

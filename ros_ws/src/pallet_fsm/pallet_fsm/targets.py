@@ -162,6 +162,12 @@ def _over_insertion(now: Situation) -> Array:
     return now.item.plan.insertion.offset(np.inf, now.config.above)
 
 
+def _back_to_grip(now: Situation) -> list[ToolTarget]:
+    """Where the box was gripped, and so much higher as boxes are let go over what they are put on."""
+    assert now.item.X_WG is not None
+    return _at([raised(now.item.X_WG, now.goals.drop * UP)])
+
+
 TARGETS: dict[State, Finder] = {
     State.ABOVE_BOX: _over_box,
     State.GRASP: _on_box,
@@ -182,5 +188,6 @@ TARGETS: dict[State, Finder] = {
     State.DEPOSIT: _on_place,
     State.RETREAT: _from_place,
     State.RETURN: _return,
+    State.PUT_BACK: _back_to_grip,
 }
 """What finds the tool's targets, for every state in which the arm moves."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-from pallet_fsm.states import BEFORE_REGRASP, HOLDING, MOVING, STEPS, State
+from pallet_fsm.states import BEFORE_REGRASP, CARRYING, HOLDING, MOVING, ROWS, State
 
 
 class Event(Enum):
@@ -28,6 +28,7 @@ class Event(Enum):
     PLACE_CHANGED = "place changed"
     GRIP_FAILED = "grip failed"
     BOX_LOST = "box lost"
+    WRONG_WEIGHT = "wrong weight"
     LIMIT_PASSED = "limit passed"
     MOTION_STUCK = "motion stuck"
     NOT_CLEAR = "move not clear"
@@ -49,6 +50,7 @@ class Guard(Enum):
     IS_FINISHED = "box placed or skipped"
     IS_ON_TABLE = "box on table B"
     IS_UNSEEN = "box to be looked for"
+    IS_FROM_TABLE_A = "box from table A"
 
 
 RESUME = None
@@ -112,7 +114,7 @@ LOOKING_AGAIN = (
     Transition(State.BOX_CHANGED, Event.ASSESSED, State.RETREAT),
 )
 SCANNING = (
-    *(Transition(row.state, Event.PLACE_CHANGED, State.PLACE_CHANGED) for row in STEPS),
+    *(Transition(row.state, Event.PLACE_CHANGED, State.PLACE_CHANGED) for row in ROWS.values()),
     Transition(State.PLACE_CHANGED, Event.ASSESSED, State.SAFE_STOP),
 )
 GRIPPING = (
@@ -128,6 +130,13 @@ LOSING = (
     Transition(State.BOX_LOST, Event.ASSESSED, State.SAFE_STOP),
     Transition(State.LIMIT_PASSED, Event.ASSESSED, State.SAFE_STOP),
 )
+WEIGHING = (
+    *(Transition(state, Event.WRONG_WEIGHT, State.WRONG_WEIGHT) for state in CARRYING),
+    Transition(State.WRONG_WEIGHT, Event.ASSESSED, State.PUT_BACK, Guard.IS_FROM_TABLE_A),
+    Transition(State.WRONG_WEIGHT, Event.ASSESSED, State.SAFE_STOP),
+    Transition(State.PUT_BACK, Event.RELEASED, State.RETREAT, Guard.HAS_TRIES),
+    Transition(State.PUT_BACK, Event.RELEASED, State.SKIP_BOX),
+)
 MOTION = (
     *(Transition(state, Event.MOTION_STUCK, State.MOTION_STUCK) for state in MOVING),
     *(Transition(state, Event.NOT_CLEAR, State.NOT_CLEAR) for state in MOVING),
@@ -140,6 +149,8 @@ MOTION = (
 )
 # fmt: on
 SKIPPING = (Transition(State.SKIP_BOX, Event.SKIPPED, State.RETREAT),)
-HALTING = tuple(Transition(row.state, Event.HALTED, State.SAFE_STOP) for row in STEPS)
+HALTING = tuple(Transition(row.state, Event.HALTED, State.SAFE_STOP) for row in ROWS.values())
 
-TRANSITIONS = (*CYCLE, *SEEING, *LOOKING_AGAIN, *SCANNING, *GRIPPING, *LOSING, *MOTION, *SKIPPING, *HALTING)
+TRANSITIONS = (
+    *CYCLE, *SEEING, *LOOKING_AGAIN, *SCANNING, *GRIPPING, *LOSING, *WEIGHING, *MOTION, *SKIPPING, *HALTING,
+)  # fmt: skip

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from pack_core.joints import JointSample
 from pack_core.motion.target import MotionStatus, MotionTarget
 from pack_core.palletizing.boxes import BoxBody, BoxDetection, ExpectedBox
 from pack_core.palletizing.grip import GripState
@@ -28,6 +29,7 @@ class PalletObservation:
         detection: newest detection of a box; None before the first.
         scans: newest scan of each place that was scanned.
         laid: name of what the operator laid on table A last; empty before the first.
+        sample: newest measurement of the joints, with their torques; None where nobody measures them.
         infeed: what the conveyor tells; None where there is none.
         place: newest answer about the place of a box; None before the first.
         taken: names of the places whose full pallet is being replaced by an empty one.
@@ -40,6 +42,7 @@ class PalletObservation:
     detection: BoxDetection | None = None
     scans: tuple[PlaceScan, ...] = ()
     laid: str = ""
+    sample: JointSample | None = None
     infeed: InfeedState | None = None
     place: PlaceAnswer | None = None
     taken: frozenset[str] = frozenset()

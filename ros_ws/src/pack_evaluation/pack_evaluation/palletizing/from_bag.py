@@ -102,6 +102,7 @@ def _box(box: dict[str, Any], X_true: Pose) -> BoxRecord:
     return BoxRecord(
         box["name"], (box["dims"][0], box["dims"][1], box["dims"][2]), box["mass"], box["handling"],
         box["outcome"], box["reason"], box["direction"], X_true @ Pose(pose[:3], pose[3:]),
+        box.get("weighed"),
     )  # fmt: skip
 
 

@@ -33,6 +33,11 @@ def _errors(boxes: Sequence[BoxMeasures]) -> str:
     return _mean_and_max([box.error_mm for box in boxes if box.error_mm is not None], "mm")
 
 
+def _weights(boxes: Sequence[BoxMeasures]) -> str:
+    errors = [box.weight_error_kg for box in boxes if box.weight_error_kg is not None]
+    return _mean_and_max([abs(error) for error in errors], "kg")
+
+
 def _peak_near_contact(states: Mapping[str, StateTime]) -> str:
     return f"{near_contact_peak(states):.2f} m/s"
 
@@ -65,6 +70,7 @@ class OrderMeasures:
         tuple[BoxMeasures, ...],
         MeasureText("placement error", _errors, "mean, largest; at the end, true"),
         MeasureText("cycle", _cycles, "mean, longest; simulated"),
+        MeasureText("weight", _weights, "mean, largest error of what the arm weighed"),
     ]
     position_mm: Annotated[
         tuple[float, float],
@@ -226,6 +232,7 @@ class BoxMeasures:
         coaxial_N: largest coaxial force of its grips; None if it was not gripped.
         shear_N: largest shear force of its grips; None if it was not gripped.
         moment_Nm: largest bending moment of its grips; None if it was not gripped.
+        weight_error_kg: what the arm weighed it less what it was told to weigh; None if it was not weighed.
     """
 
     name: str
@@ -238,6 +245,7 @@ class BoxMeasures:
     coaxial_N: float | None
     shear_N: float | None
     moment_Nm: float | None
+    weight_error_kg: float | None = None
 
 
 def measure_box(run: PalletRun, box: BoxRecord, criteria: PlacementCriteria) -> BoxMeasures:
@@ -252,7 +260,7 @@ def measure_box(run: PalletRun, box: BoxRecord, criteria: PlacementCriteria) -> 
     coaxial, shear, moment = run.grip_peaks.get(box.name, (None, None, None))
     return BoxMeasures(
         box.name, box.handling, box.outcome, is_ok, error_mm, angle_deg, run.cycles.get(box.name),
-        coaxial, shear, moment,
+        coaxial, shear, moment, None if box.weighed is None else box.weighed - box.mass,
     )  # fmt: skip
 
 

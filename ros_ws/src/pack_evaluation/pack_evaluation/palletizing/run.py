@@ -152,6 +152,7 @@ class BoxRecord:
         reason: why it was skipped or lost; empty otherwise.
         direction: direction from which it was inserted.
         X_WB: its planned pose.
+        weighed: its mass by the arm's torques after the last grip [kg]; None where it was not weighed.
     """
 
     name: str
@@ -162,6 +163,7 @@ class BoxRecord:
     reason: str
     direction: str
     X_WB: Pose
+    weighed: float | None = None
 
 
 @dataclass(frozen=True)

@@ -62,6 +62,9 @@ def summarize_orders(trials: Sequence[OrderTrial]) -> dict[str, Any]:
         "placed_angle_deg": mean_p95_max([b["angle_deg"] for b in boxes if b["angle_deg"] is not None]),
         "shift_mm": mean_p95_max([shift for trial in trials for shift in trial.measures["shift_mm"]]),
         "cycle_s": cycles(boxes),
+        "weight_error_kg": mean_p95_max(
+            [abs(b["weight_error_kg"]) for b in boxes if b.get("weight_error_kg") is not None]
+        ),
         "drops": sum(trial.measures["drops"] for trial in trials),
         "unwanted_contacts": sum(trial.measures["touches"] for trial in trials),
         "interruptions": sum(trial.measures["interruptions"] for trial in trials),

@@ -114,6 +114,25 @@ def _lose_vacuum(site: PalletSite) -> None:
     site.cell.simulator.gripper.fail("the vacuum was lost")
 
 
+def _slip(site: PalletSite) -> None:
+    site.cell.simulator.gripper.slip()
+
+
+def _empty(site: PalletSite) -> None:
+    _change_mass(site, 0.4)
+
+
+def _double(site: PalletSite) -> None:
+    _change_mass(site, 2.0)
+
+
+def _change_mass(site: PalletSite, times: float) -> None:
+    """Put a box that weighs so many times as much in the place of the right one."""
+    X_WB, body = site.X_WB, site.body
+    site.cell.simulator.remove(site.box)
+    site.cell.simulator.spawn(BoxBody(body.name, body.size, times * body.mass), X_WB)
+
+
 def _silence_camera(site: PalletSite) -> None:
     site.cell.stepped.camera_is_silent = True
 
@@ -127,9 +146,14 @@ CHANGES: dict[str, PalletChange] = {
     "another box put on table B": _add_on_table_b,
     "another box put in its place": _add_at_place,
     "vacuum lost": _lose_vacuum,
+    "vacuum lost unnoticed": _slip,
+    "box nearly empty": _empty,
+    "box twice as heavy": _double,
     "camera silent": _silence_camera,
 }
-REMOVED, TURNED, SHIFTED, EXCHANGED, BESIDE_IT, ON_TABLE_B, IN_PLACE, VACUUM, CAMERA = CHANGES
+(
+    REMOVED, TURNED, SHIFTED, EXCHANGED, BESIDE_IT, ON_TABLE_B, IN_PLACE, VACUUM, SLIP, EMPTY, DOUBLE, CAMERA,
+) = CHANGES  # fmt: skip
 IN_PICTURES = (EXCHANGED, BESIDE_IT)
 """Changes that only a picture shows; in all other cases boxes are found by their true poses with noise."""
 
@@ -137,16 +161,16 @@ _MOVED = (REMOVED, TURNED, SHIFTED)
 _HELD = (REMOVED, VACUUM)
 LOWER, UPPER = "lower", "upper"
 MOMENTS: dict[str, tuple[str, State, str, tuple[str, ...]]] = {
-    "detect": (LOWER, State.DETECT, LOWER, (*_MOVED, EXCHANGED, BESIDE_IT, CAMERA)),
+    "detect": (LOWER, State.DETECT, LOWER, (*_MOVED, EXCHANGED, BESIDE_IT, EMPTY, DOUBLE, CAMERA)),
     "above box": (LOWER, State.ABOVE_BOX, LOWER, (*_MOVED, EXCHANGED, BESIDE_IT, CAMERA)),
     "grasp, after the second look": (LOWER, State.GRASP, LOWER, (REMOVED, TURNED, SHIFTED)),
-    "lift": (LOWER, State.LIFT, LOWER, _HELD),
+    "lift": (LOWER, State.LIFT, LOWER, (*_HELD, SLIP)),
     "rotate": (LOWER, State.ROTATE, LOWER, (*_HELD, ON_TABLE_B)),
     "release table": (LOWER, State.RELEASE_TABLE, LOWER, _HELD),
     "step back": (LOWER, State.STEP_BACK, LOWER, _MOVED),
     "above table": (LOWER, State.ABOVE_TABLE, LOWER, (*_MOVED, EXCHANGED)),
     "regrasp": (LOWER, State.REGRASP, LOWER, (REMOVED, TURNED)),
-    "lift table": (LOWER, State.LIFT_TABLE, LOWER, _HELD),
+    "lift table": (LOWER, State.LIFT_TABLE, LOWER, (*_HELD, SLIP)),
     "above pallet": (LOWER, State.ABOVE_PALLET, LOWER, (*_HELD, IN_PLACE)),
     "pre deposit": (LOWER, State.PRE_DEPOSIT, LOWER, _HELD),
     "deposit": (LOWER, State.DEPOSIT, LOWER, _HELD),

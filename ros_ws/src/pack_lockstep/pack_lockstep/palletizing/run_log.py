@@ -122,4 +122,6 @@ class PalletRunLog:
 
 
 def _record(box: BoxReport, X_WB: Pose) -> BoxRecord:
-    return BoxRecord(box.name, box.dims, box.mass, box.handling, box.outcome, box.reason, box.direction, X_WB)
+    return BoxRecord(
+        box.name, box.dims, box.mass, box.handling, box.outcome, box.reason, box.direction, X_WB, box.weighed
+    )

@@ -110,7 +110,7 @@ class SteppedCell:
             self._detection, self._pending = self._pending[1], None
         return PalletObservation(
             simulator.time, self.motion.status(), simulator.gripper.state, self._spawned, self._detection,
-            self._answered(), infeed=simulator.infeed, taken=simulator.taken,
+            self._answered(), sample=self.arm.sample, infeed=simulator.infeed, taken=simulator.taken,
         )  # fmt: skip
 
     def apply(self, command: Command) -> bool:

@@ -154,7 +154,7 @@ class SurfaceGripper:
         self._deadline: float | None = None
         self._next_try = 0.0
         self._steps_over = 0
-        self._is_opening, self._failure = False, ""
+        self._is_opening, self._failure, self._has_slipped = False, "", False
         self.state = GripState(reason=ASKED)
 
     @property
@@ -182,6 +182,10 @@ class SurfaceGripper:
         """Have the vacuum break down after the next step, for a reason in words."""
         self._failure = reason
 
+    def slip(self) -> None:
+        """Lose the box after the next step without noticing it, as with a vacuum sensor that is stuck."""
+        self._has_slipped = True
+
     def update(self, model: mujoco.MjModel, data: mujoco.MjData, boxes: list[str]) -> None:
         """Carry out the last command after a step, with the positions and forces of that step."""
         if self._is_opening:
@@ -192,6 +196,8 @@ class SurfaceGripper:
             self._failure = ""
         elif self.state.is_closing:
             self._seek(model, data, boxes)
+        elif self._has_slipped:
+            detach(model, data, self.state.held)
         elif self.state.is_closed:
             self._watch(model, data)
 
@@ -201,6 +207,7 @@ class SurfaceGripper:
             return
         if self.state.is_closed:
             detach(model, data, self.state.held)
+        self._has_slipped = False
         self.state = GripState(peak=self.state.peak, reason=reason)
 
     def _seek(self, model: mujoco.MjModel, data: mujoco.MjData, boxes: list[str]) -> None:

@@ -13,7 +13,7 @@ from viser import GlbHandle, SceneApi
 from pack_viewer.fragments import BLUE, RED, boxed, chips
 from pack_viewer.geom_meshes import box_glb
 from pack_viewer.model_scene import scene_name
-from pallet_fsm.states import ENDS, FAULTS, STEPS, State
+from pallet_fsm.states import ENDS, FAULTS, ROWS, STEPS, State
 
 CUBE, TEXT = 1, 9
 """Types of visualization_msgs/Marker: a box, and the text over it that names it."""
@@ -63,7 +63,7 @@ class OrderPlaces:
 STEP_LABELS = tuple(row.state.label for row in STEPS)
 FAULT_LABELS = tuple(state.label for state in (*FAULTS, State.SKIP_BOX))
 END_LABELS = tuple(state.label for state in ENDS)
-WHAT = {row.state.label: row.what for row in STEPS}
+WHAT = {row.state.label: row.what for row in ROWS.values()}
 WRONG = {*FAULT_LABELS, State.SAFE_STOP.label}
 SHOWN = 12
 """Boxes whose times are listed."""

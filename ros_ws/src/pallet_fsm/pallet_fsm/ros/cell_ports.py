@@ -34,6 +34,7 @@ from pack_core.palletizing.ports import (
     TakePallet,
     TakePicture,
 )
+from pack_core.robots.kr210 import JOINTS
 from pack_core.ros.contracts import motion
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.contracts.contract import Contract
@@ -49,6 +50,7 @@ from pack_core.ros.messages.palletizing import (
     to_expected_box,
     to_question,
 )
+from pack_core.ros.messages.serialized import JointStateReader
 from pack_core.ros.messages.serialized_status import MotionStatusReader
 from pack_core.ros.newest_messages import Kept, NewestMessages
 from pack_core.ros.node import CellNode
@@ -95,6 +97,7 @@ class CellPorts:
                 Kept(contracts.INFEED_STATE, from_infeed),
                 Kept(contracts.PALLET_PLACES, from_places),
                 Kept(contracts.GRIPPER_STATE, from_gripper_state, depth=1),
+                Kept(contracts.JOINT_STATES, JointStateReader(JOINTS).read, depth=1, raw=True),
                 Kept(motion.MOTION_STATUS, MotionStatusReader().read, depth=1, raw=True),
             ),
         )
@@ -117,7 +120,8 @@ class CellPorts:
         scans = (self._heard.until(contracts.SCANS[place][1], now) for place in self._scans)
         return PalletObservation(
             now, status, grip, self._spawned, detection, tuple(scan for scan in scans if scan is not None),
-            self._laid, self._heard[contracts.INFEED_STATE], self._place, self._away(now),
+            self._laid, self._heard.until(contracts.JOINT_STATES, now), self._heard[contracts.INFEED_STATE],
+            self._place, self._away(now),
         )  # fmt: skip
 
     def _away(self, now: float) -> frozenset[str]:

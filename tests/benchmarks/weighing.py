@@ -1,0 +1,116 @@
+"""Boxes of the orders lifted one by one, as they should be and with a fault in the hand: who is found out.
+
+`PYTHONPATH=tests:$PYTHONPATH python -m benchmarks.weighing --preset elastic --boxes 200 --seed 900` lifts so
+many boxes, drawn from all orders, each four times: as it is, nearly empty, twice as heavy, and with a gripper
+that loses it and does not notice. It prints what was found, how soon, and by how much weights were off.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import dataclass
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.progress import track
+from rich.table import Table
+
+from pack_core.palletizing.boxes import BoxBody
+from pack_core.palletizing.orders.layout_plan import LayoutPlan, LayoutStatus, PlannedBox
+from pack_core.palletizing.orders.order import Order
+from pack_core.palletizing.orders.order_file import load_order
+from pack_core.palletizing.orders.placed_box import PlacedBox
+from pack_core.paths import config_path
+from pack_lockstep.palletizing.benchmark import order_files
+from pack_lockstep.palletizing.lockstep import PalletLockstep, Tick
+from pack_lockstep.palletizing.settings import PalletSetup, set_up
+from pallet_fsm.shift_floor import STRAIGHT_DOWN
+from pallet_fsm.states import State
+
+TIMES = {"as it is": 1.0, "nearly empty": 0.4, "twice as heavy": 2.0, "lost unnoticed": 1.0}
+"""By what is done: the mass of the box, as so many times what the order says."""
+RIGHT, *_, LOST = TIMES
+
+
+class Weighed(Exception):
+    """The box was weighed."""
+
+
+@dataclass(frozen=True)
+class Lift:
+    """What became of one lift.
+
+    Attributes:
+        mass: what the order says that the box weighs [kg].
+        is_named: whether the machine said that the load is wrong.
+        delay: from the start of the lift until it was weighed [s].
+        error: what was weighed less what truly hung there [kg].
+    """
+
+    mass: float
+    is_named: bool
+    delay: float
+    error: float
+
+
+def lift(setup: PalletSetup, order: Order, what: str, seed: int) -> Lift:
+    """Lift the one box of an order with something done to it."""
+    box = order.boxes[0]
+    extents = np.array(box.turn.extents)
+    planned = PlannedBox(PlacedBox(box.id, np.array([0.4, 0.3, 0.0]), extents, box.weight), STRAIGHT_DOWN)
+    plan = LayoutPlan(LayoutStatus.SUCCESS, "", (planned,), 0.0, 0.0)
+    cell = PalletLockstep(setup.cell, order, plan, setup.config, seed)
+    item, start = cell.palletizer.item, 0.0
+
+    def watch(tick: Tick) -> None:
+        nonlocal start
+        if tick.state is State.DETECT and TIMES[what] != 1.0:
+            simulator = cell.simulator
+            body, X_WB = simulator.boxes[0], simulator.truth().objects[box.id].X_WO
+            if body.mass == box.weight:
+                simulator.remove(box.id)
+                simulator.spawn(BoxBody(box.id, body.size, TIMES[what] * box.weight), X_WB)
+        if tick.state is State.LIFT and not start:
+            start = tick.time
+            if what == LOST:
+                cell.simulator.gripper.slip()
+        if item.weighed is not None:
+            raise Weighed
+
+    with contextlib.suppress(Weighed):
+        cell.run(watch)
+    assert item.weighed is not None, f"{box.id}: {cell.palletizer.report().reason}"
+    hangs = 0.0 if what == LOST else TIMES[what] * box.weight
+    is_named = cell.palletizer.machine.state is State.WRONG_WEIGHT
+    return Lift(box.weight, is_named, cell.simulator.time - start, item.weighed - hangs)
+
+
+def main(preset: str = "rigid", boxes: int = 200, seed: int = 900) -> None:
+    """Lift boxes and print the table."""
+    setup = set_up(preset=preset, vision=False)
+    orders = [load_order(path) for path in order_files(config_path("orders"))]
+    everything = [(order, box) for order in orders for box in order.boxes]
+    rng = np.random.default_rng(seed)
+    drawn = [everything[i] for i in rng.permutation(len(everything))[:boxes]]
+    lifts: dict[str, list[Lift]] = {what: [] for what in TIMES}
+    for number, (order, box) in enumerate(track(drawn, "lifting")):
+        for what, found in lifts.items():
+            found.append(lift(setup, order.model_copy(update={"boxes": (box,)}), what, seed + number))
+    table = Table("what is done", "boxes", "named", "of 2.5 kg or more", "delay, mean, longest [s]",
+                  "error, mean, p95, largest [kg]", title=f"preset {preset}, seed {seed}")  # fmt: skip
+    for what, found in lifts.items():
+        heavy = [one for one in found if one.mass >= 2.5]
+        delays = [one.delay for one in found]
+        errors = np.abs([one.error for one in found])
+        table.add_row(
+            what, str(len(found)), str(sum(one.is_named for one in found)),
+            f"{sum(one.is_named for one in heavy)} of {len(heavy)}",
+            f"{np.mean(delays):.2f}, {max(delays):.2f}",
+            f"{errors.mean():.2f}, {np.percentile(errors, 95):.2f}, {errors.max():.2f}",
+        )  # fmt: skip
+    Console().print(table)
+
+
+if __name__ == "__main__":
+    typer.run(main)
