@@ -51,6 +51,8 @@ def test_the_measures_of_the_recording_are_within_their_targets(demo: tuple[Path
     measures = measure_order(load_pallet_run(demo[0]))
     assert measures.is_complete
     assert (measures.drops, measures.touches) == (0, 0)
+    (box,) = measures.boxes
+    assert box.weight_error_kg == pytest.approx(0.0, abs=0.5)
 
 
 def test_an_order_that_would_not_stand_is_refused_at_once(tmp_path: Path) -> None:

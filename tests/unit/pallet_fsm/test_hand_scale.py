@@ -25,7 +25,7 @@ def motion(
 ) -> Iterator[JointSample]:
     """Samples of joints that swing, each at its own rate."""
     rng, data, home = np.random.default_rng(seed), mujoco.MjData(load.model), np.array(CELL.arm.home)
-    w = np.array([1.1, 0.9, 1.3, 0.7, 1.7, 0.6])
+    w = np.array([0.7, 0.6, 0.75, 0.5, 0.8, 0.45])
     for time in start + np.arange(0.0, seconds, PERIOD):
         q, v, a = home + 0.2 * np.sin(w * time), 0.2 * w * np.cos(w * time), -0.2 * w**2 * np.sin(w * time)
         data.qpos[:], data.qvel[:], data.qacc[:] = q, v, a

@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from pack_core.palletizing.cell import REJECT_TABLE
 from pallet_fsm import load_watch
 from pallet_fsm.order_book import WorkItem
 from pallet_fsm.palletizer_config import WeighingConfig
@@ -98,6 +99,16 @@ def test_what_was_weighed_is_in_the_report(weigh) -> None:
 def test_nothing_is_weighed_where_that_is_turned_off(weigh) -> None:
     weigh(0.0)
     assert load_watch.LoadWatch(WeighingConfig(window=0.0), None).fault() == ""
+
+
+def test_nobody_knows_what_a_rejected_box_should_weigh(weigh) -> None:
+    weigh(3.0)
+    box = given_order(3).boxes[0].model_copy(update={"weight": 10.0})
+    item = WorkItem(box, None, deck=REJECT_TABLE, X_TB=object())
+    watch = load_watch.LoadWatch(WeighingConfig(), None)
+    watch.take(item)
+    assert watch.fault() == ""
+    assert item.weighed == 3.0
 
 
 @pytest.mark.parametrize(("mass", "is_right"), [(8.5, True), (11.5, True), (7.9, False), (12.1, False)])

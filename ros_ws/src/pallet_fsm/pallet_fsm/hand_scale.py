@@ -29,8 +29,8 @@ GAP = 0.1
 """Samples that are farther apart are no neighbours [s]: too much may happen between them."""
 MOVING = 0.01
 """A joint that is slower may stand, and friction that holds it has any value [rad/s]."""
-TAKING_UP = 0.1
-"""Motion after a grip that is not weighed [s]: gears wind up, and a part still stands on what was below."""
+STEADY = 0.15
+"""Nothing is weighed while a joint accelerates more [rad/s^2]: gears wind up, and motors lead the links."""
 TARE = 200
 """Samples after which what was measured with an empty hand counts half as much: about 4 s of motion."""
 PRIOR = 20.0
@@ -44,7 +44,7 @@ class HandScale:
         cell: the cell's physical facts.
 
     Attributes:
-        seconds: time in motion since the present load was taken [s].
+        seconds: time over which the present load was weighed [s].
     """
 
     def __init__(self, cell: PalletizingCell) -> None:
@@ -106,9 +106,9 @@ class HandScale:
             self._rubbed = keep * self._rubbed + direction * excess
             self._counts = keep * self._counts + np.abs(direction)
             return
-        self.seconds += 0.5 * (after.time - before.time)
-        if self.seconds < TAKING_UP:
+        if np.abs(a).max() > STEADY:
             return
+        self.seconds += 0.5 * (after.time - before.time)
         # Least squares over all joints that move, each with the noise of its motor: a share of its effort.
         per_kg = _torques(self._loaded.model, self._loaded_data, now, a) - bare
         weights = np.abs(direction) / LIMITS.effort**2

@@ -6,7 +6,7 @@ grip tells, as the arm must lift what is there.
 
 from __future__ import annotations
 
-from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.cell import REJECT_TABLE, PalletizingCell
 from pack_core.palletizing.ports import PalletObservation
 from pallet_fsm.hand_scale import HandScale
 from pallet_fsm.order_book import WorkItem
@@ -53,6 +53,8 @@ class LoadWatch:
         self._item, item.weighed = None, mass
         told = item.box.weight
         allowed = self._config.tolerance + self._config.share * told
+        if item.deck == REJECT_TABLE:  # nobody knows what is in a box that is rejected
+            return ""
         if abs(mass - told) <= allowed:
             return ""
         if mass < allowed:

@@ -140,7 +140,7 @@ class WeighingConfig(Config):
     """How a box in the hand is weighed by the torques of the arm, and what counts as another weight."""
 
     window: NonNegativeFloat = Field(
-        default=0.4, description="in motion after each grip, over which it is weighed; 0: never [s]"
+        default=0.12, description="at even speed after each grip, over which it is weighed; 0: never [s]"
     )
     tolerance: PositiveFloat = Field(
         default=1.0, description="by which it may differ from what the order says, whatever that is [kg]"
