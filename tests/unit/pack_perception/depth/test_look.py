@@ -14,10 +14,11 @@ from pack_core.packing.model import ArmRole, HeldRole, build_model
 from pack_core.packing.object_set import load_set
 from pack_core.packing.objects import Box, Capsule, Cylinder, ObjectModel
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
-from pack_perception.depth.height_map import HeightMapConfig, Mask, halves, height_map, regions
-from pack_perception.depth.look import DepthLookConfig, look_at, off_container
+from pack_perception.depth.height_map import Mask, halves, height_map, regions
+from pack_perception.depth.look import look_at, off_container
 from pack_perception.depth.shape_fit import FittedShape
 from pack_perception.depth.sight_lines import SightLines
+from pack_perception.perception_config import DepthLookConfig, HeightMapConfig
 from pack_sim.packing.depth_cameras import CameraRays
 
 CELL = packing_cell()

@@ -9,7 +9,8 @@ from pack_core.packing.cell import packing_cell
 from pack_core.packing.depth import points_of
 from pack_core.packing.model import ArmRole, HeldRole, build_model
 from pack_core.rotations import Array, exp, multiply
-from pack_perception.depth.registration import Registration, RegistrationConfig, register
+from pack_perception.depth.registration import Registration, register
+from pack_perception.perception_config import RegistrationConfig
 from pack_sim.packing.depth_cameras import DepthCameraSystem
 
 CELL = packing_cell()

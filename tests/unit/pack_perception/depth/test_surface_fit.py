@@ -7,11 +7,11 @@ from pack_core.rotations import Array, Pose, angle_between, exp, from_yaw, multi
 from pack_perception.depth.shape_fit import FittedShape
 from pack_perception.depth.surface_fit import (
     ConvexSurface,
-    SurfaceFitConfig,
     assigned,
     fit_surface,
     which_is_where,
 )
+from pack_perception.perception_config import SurfaceFitConfig
 
 CONFIG = SurfaceFitConfig()
 BOX = Box(name="box", mass=0.3, shape="box", size=(0.09, 0.06, 0.13))

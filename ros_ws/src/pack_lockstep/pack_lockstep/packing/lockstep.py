@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,28 +29,15 @@ from pack_mpc.controller import ControlPlan
 from pack_mpc.observation import PackingObservation, blind_for
 from pack_mpc.session import PackingSession
 from pack_mpc.task.task import PackingOutcome
-from pack_perception.depth.depth_estimator import DepthEstimator
 from pack_perception.mocap.hand_over_estimator import HandOverEstimator
 from pack_planner.placement.placement_planner import PlacementPlanner, PlacementPlanners
 from pack_planner.placement.placement_result import PlannedPlacement
-from pack_sim.packing.depth_cameras import DepthCameraSystem
 from pack_sim.packing.simulator import Simulator
 
+if TYPE_CHECKING:
+    from pack_lockstep.packing.depth_link import DepthLink
+
 Sense = Callable[[Simulator, HandOverEstimator], None]
-
-
-@dataclass(frozen=True)
-class DepthLink:
-    """Depth cameras and the estimator that their images go to."""
-
-    cameras: DepthCameraSystem
-    estimator: DepthEstimator
-
-    def step(self, simulator: Simulator) -> None:
-        """Expose if it is time, and deliver what is due."""
-        self.cameras.update(simulator.model, simulator.data, simulator.time)
-        for frame in self.cameras.due(simulator.time):
-            self.estimator.see(frame)
 
 
 class LockstepCell:
@@ -75,8 +63,11 @@ class LockstepCell:
         self.estimator = HandOverEstimator(description, cell, config.estimator)
         self._depth: DepthLink | None = None
         if cell.perception is Perception.DEPTH:
-            self.estimator = depth = DepthEstimator(description, cell, config.estimator)
-            self._depth = DepthLink(DepthCameraSystem(cell.depth, np.random.default_rng([seed, 2])), depth)
+            # Here: results by markers do not depend on code that they never load.
+            from pack_lockstep.packing.depth_link import DepthLink
+
+            self._depth = DepthLink.of(description, cell, config.estimator, seed)
+            self.estimator = self._depth.estimator
         self._forces: list[float] = []
         self.cameras: Callable[[MarkerFrame], MarkerFrame] = lambda frame: frame
 

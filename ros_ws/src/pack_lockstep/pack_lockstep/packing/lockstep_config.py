@@ -13,7 +13,7 @@ from pack_core.packing.cell import PackingCell, packing_cell
 from pack_core.presets import Preset, Section, read_preset
 from pack_lockstep.node_parameters import load_parameters
 from pack_mpc.filling.fill_config import FillSessionConfig
-from pack_perception.depth.depth_estimator import PerceptionConfig
+from pack_perception.perception_config import PerceptionConfig
 from pack_planner.placement.placement_planner import PlacementPlannerConfig
 from pack_sim.packing.simulator import SimulatorConfig
 

@@ -45,8 +45,9 @@ from pack_lockstep.replay import EXACT_MM, ComparisonRow, Replay, RunConditions
 from pack_mpc.cost.weights import load_weights
 from pack_mpc.filling.fill_config import FillSessionConfig
 from pack_mpc.session import SessionConfig
-from pack_perception.depth.depth_estimator import DepthEstimator, Objects, PerceptionConfig
+from pack_perception.depth.depth_estimator import DepthEstimator
 from pack_perception.mocap.hand_over_estimator import HandOverEstimator
+from pack_perception.perception_config import Objects, PerceptionConfig
 from pack_planner.placement.placement_planner import (
     PlacementPlanner,
     PlacementPlannerConfig,

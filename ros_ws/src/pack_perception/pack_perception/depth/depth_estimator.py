@@ -7,57 +7,28 @@ fitted to the points that are near where it is expected.
 
 from __future__ import annotations
 
-from enum import Enum
-
 import numpy as np
-from pydantic import Field, PositiveInt
 
-from pack_core.config import Config
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.depth import DepthFrame, points_of
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose
-from pack_perception.depth.look import DepthLookConfig, look_at, off_container, scene_points
-from pack_perception.depth.registration import RegistrationConfig, register
+from pack_perception.depth.look import look_at, off_container, scene_points
+from pack_perception.depth.registration import register
 from pack_perception.depth.sight_lines import SightLines
 from pack_perception.depth.surface_fit import (
     ConvexSurface,
-    SurfaceFitConfig,
     assigned,
     fit_surface,
     which_is_where,
 )
 from pack_perception.mocap.guided_cell import GuidedCell
 from pack_perception.mocap.hand_over_estimator import HandOverEstimator
-from pack_perception.mocap.physics_estimator import Correction, EstimatorConfig
+from pack_perception.mocap.physics_estimator import Correction
+from pack_perception.perception_config import Objects, PerceptionConfig
 
 BELOW_HELD = 0.01
 """What is nearer to the lower end of the held object, or higher, is no content of the container [m]."""
-
-
-class Objects(Enum):
-    """What is known of the objects in the container before a look."""
-
-    DESCRIBED = "described"
-    """Shapes, sizes and masses; not their poses."""
-    UNKNOWN = "unknown"
-    """Nothing, not even their number."""
-
-
-class DepthConfig(Config):
-    """Perception by depth images."""
-
-    objects: Objects = Field(default=Objects.DESCRIBED, description="what is known of the objects")
-    registration: RegistrationConfig = RegistrationConfig()
-    look: DepthLookConfig = DepthLookConfig()
-    fit: SurfaceFitConfig = SurfaceFitConfig()
-    every: PositiveInt = Field(default=3, description="every many pixels of a row or column one is tracked")
-
-
-class PerceptionConfig(EstimatorConfig):
-    """Parameters of perception, by markers or by depth images."""
-
-    depth: DepthConfig = DepthConfig()
 
 
 class DepthEstimator(HandOverEstimator):

@@ -10,14 +10,13 @@ from itertools import combinations
 import cv2
 import numpy as np
 import numpy.typing as npt
-from pydantic import Field, PositiveFloat
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from pack_core.config import Config
 from pack_core.packing.scene import Container
 from pack_core.rotations import Array
 from pack_perception.depth.sight_lines import SightLines
+from pack_perception.perception_config import HeightMapConfig
 
 Mask = npt.NDArray[np.bool_]
 Labels = npt.NDArray[np.int_]
@@ -34,27 +33,6 @@ SHOULDER_SHARE = 0.4
 """Share of what was seen around a flat top from which what slopes down there belongs to it."""
 STEEP_CELLS = 20
 """Most cells by which a round top goes on beyond where it gets steep: the shoulder of a bottle, 5 cm."""
-
-
-class HeightMapConfig(Config):
-    """How heights become regions."""
-
-    cell: PositiveFloat = Field(default=0.0025, description="edge of a cell of the map of heights [m]")
-    flier: PositiveFloat = Field(
-        default=0.006,
-        description="a cell's highest point counts if the next one is at most this far below [m]",
-    )
-    floor: PositiveFloat = Field(default=0.015, description="what is lower is the container's base [m]")
-    jump: PositiveFloat = Field(default=0.0025, description="step between cells at which a top ends [m]")
-    slope: PositiveFloat = Field(default=0.028, description="step down to which a round top goes on [m]")
-    flat: PositiveFloat = Field(
-        default=0.002, description="a top whose heights spread by less than this is flat [m]"
-    )
-    min_area: PositiveFloat = Field(default=0.0004, description="smallest region that is an object [m^2]")
-    notch: PositiveFloat = Field(
-        default=0.004,
-        description="depth of two notches in an outline at which a region may be two objects [m]",
-    )
 
 
 @dataclass(frozen=True)

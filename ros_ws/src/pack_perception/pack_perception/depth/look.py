@@ -10,10 +10,8 @@ from operator import itemgetter
 import cv2
 import numpy as np
 import shapely
-from pydantic import Field
 
 from pack_core.camera import PinholeCamera
-from pack_core.config import Config
 from pack_core.packing.depth import DepthFrame, points_of
 from pack_core.packing.free_space import footprint
 from pack_core.packing.objects import Capsule
@@ -22,7 +20,6 @@ from pack_core.packing.scene_item import colour_of
 from pack_core.rotations import Array, yaw_of
 from pack_perception.depth.height_map import (
     HeightMap,
-    HeightMapConfig,
     Mask,
     halves,
     height_map,
@@ -30,8 +27,9 @@ from pack_perception.depth.height_map import (
     regions,
 )
 from pack_perception.depth.seen_region import overlap, seen_region
-from pack_perception.depth.shape_fit import FittedShape, ShapeFitConfig, candidates, worth
+from pack_perception.depth.shape_fit import FittedShape, candidates, worth
 from pack_perception.depth.sight_lines import SightLines
+from pack_perception.perception_config import DepthLookConfig
 
 GAP = 7
 """Size of the square by which a top is widened to meet another one across a gap of unseen cells [cells]."""
@@ -43,19 +41,6 @@ AXIS_SHARE = 0.7
 """Share of a capsule's radius beside its axis in which it is looked for behind a gap."""
 FEW_CELLS = 3
 """Fewer cells than these say nothing."""
-
-
-class DepthLookConfig(Config):
-    """How a look finds objects."""
-
-    heights: HeightMapConfig = HeightMapConfig()
-    shapes: ShapeFitConfig = ShapeFitConfig()
-    gain: float = Field(
-        default=0.01,
-        ge=0,
-        description="by which two parts must overlap better with a region to be two objects",
-    )
-    good: float = Field(default=0.985, gt=0, le=1, description="overlap from which a region is one object")
 
 
 def scene_points(

@@ -10,31 +10,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from pydantic import Field, PositiveFloat, PositiveInt
 
 from pack_core.camera import PinholeCamera
-from pack_core.config import Config
 from pack_core.packing.scene import Container
 from pack_core.rotations import Array, Pose, exp, rotate
-
-
-class RegistrationConfig(Config):
-    """How cameras are compared with the container, and how far off one may be."""
-
-    search: PositiveFloat = Field(
-        default=0.02, description="between the places, three each way, at which a fit begins [m]"
-    )
-    every: PositiveInt = Field(default=4, description="every many points one is used to choose among them")
-    reaches: tuple[PositiveFloat, ...] = Field(
-        default=(0.03, 0.015, 0.01, 0.006, 0.006, 0.006),
-        description="farthest that a point is from a face of the container, by step of a fit [m]",
-    )
-    scale: PositiveFloat = Field(default=0.002, description="deviation from which a point counts less [m]")
-    few: PositiveInt = Field(default=300, description="fewer points on walls say nothing")
-    shift: PositiveFloat = Field(
-        default=0.005, description="most that a camera may be off at the container [m]"
-    )
-    turn_deg: PositiveFloat = Field(default=0.5, description="most that it may be turned [deg]")
+from pack_perception.perception_config import RegistrationConfig
 
 
 @dataclass(frozen=True)

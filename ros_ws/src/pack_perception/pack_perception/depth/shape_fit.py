@@ -15,16 +15,15 @@ from operator import itemgetter
 
 import numpy as np
 import shapely
-from pydantic import Field, PositiveFloat, PositiveInt
 from scipy.optimize import least_squares
 
-from pack_core.config import Config
 from pack_core.hull import hull_of, with_fewer_corners
 from pack_core.packing.convex_mesh import ConvexMesh
 from pack_core.packing.objects import Box, Capsule, Cylinder, ObjectModel
 from pack_core.rotations import Array, Pose, from_yaw
 from pack_perception.depth.height_map import HeightMap
 from pack_perception.depth.seen_region import DIRECTIONS, SeenRegion, overlap
+from pack_perception.perception_config import ShapeFitConfig
 
 TAIL = 0.01
 """Share of a top's points that is left out at each edge."""
@@ -58,20 +57,6 @@ SCALE = 0.001
 """Deviation from which a point counts less in a fit [m]."""
 SHORTNESS = 0.3
 """Weight of a capsule's length in a fit, a third of a point's: it decides where points say nothing."""
-
-
-class ShapeFitConfig(Config):
-    """How shapes are fitted and chosen."""
-
-    side: PositiveFloat = Field(default=0.006, description="farthest that a side's point is from it [m]")
-    below: PositiveFloat = Field(default=0.008, description="sides begin so far below the top [m]")
-    close: PositiveFloat = Field(
-        default=0.0025, description="farthest that most points are off a round surface that explains them [m]"
-    )
-    few: PositiveInt = Field(default=30, description="fewer points of a side are not used")
-    top_deviation: PositiveFloat = Field(default=0.0015, description="of an edge seen from its top [m]")
-    density: PositiveFloat = Field(default=600.0, description="of every object [kg/m^3]")
-    corners: PositiveInt = Field(default=60, description="most corners of a hull")
 
 
 @dataclass(frozen=True)

@@ -13,30 +13,14 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import Field, PositiveFloat, PositiveInt
 from scipy.optimize import linear_sum_assignment
 
-from pack_core.config import Config
 from pack_core.hull import hull_of
 from pack_core.packing.objects import ObjectModel
 from pack_core.packing.scene_item import SceneItem
 from pack_core.rotations import Array, Pose, conjugate, exp, from_yaw, multiply, rotate, yaw_of
 from pack_perception.depth.shape_fit import FittedShape
-
-
-class SurfaceFitConfig(Config):
-    """How poses are fitted to points."""
-
-    reach: PositiveFloat = Field(default=0.012, description="farthest that a point is from its surface [m]")
-    scale: PositiveFloat = Field(default=0.0015, description="deviation from which a point counts less [m]")
-    alike: PositiveInt = Field(
-        default=120, description="points beyond so many bring nothing new: errors are alike"
-    )
-    few: PositiveInt = Field(default=30, description="fewer points give no pose")
-    iterations: PositiveInt = Field(default=4, description="steps of a fit")
-    position: PositiveFloat = Field(default=0.004, description="deviation of an expected position [m]")
-    angle: PositiveFloat = Field(default=0.04, description="deviation of an expected orientation [rad]")
-
+from pack_perception.perception_config import SurfaceFitConfig
 
 MOST_POINTS = 250
 """Points of a body by which its pose is fitted: twice `SurfaceFitConfig.alike`, what brings something new."""

@@ -22,10 +22,10 @@ from pack_core.ros.packing import read_packing_cell
 from pack_core.ros.run import run_node
 from pack_core.ros.stream import Stream, StreamReader
 from pack_core.states import SceneState, Source
-from pack_perception.depth.depth_estimator import PerceptionConfig
 from pack_perception.mocap.hand_over_estimator import HandOverEstimator
 from pack_perception.mocap.rigid_body_fit import FitRefusal
-from pack_perception.ros.frame_sources import DepthSource, Frame, FrameSource, MarkerSource
+from pack_perception.perception_config import PerceptionConfig
+from pack_perception.ros.frame_sources import Frame, FrameSource, MarkerSource
 
 JOINTS_DEPTH = 500
 """Joint states that may wait: those of 1 s."""
@@ -56,15 +56,21 @@ class PerceptionNode(CellNode):
         self._lock = threading.Lock()
         self._joint_reader = JointStateReader(self._cell.robot.arm.joints)
         self._joints = Stream(self, contracts.JOINT_STATES, depth=JOINTS_DEPTH, raw=True)
-        by_depth = self._cell.perception is Perception.DEPTH
-        self._source: FrameSource = (DepthSource if by_depth else MarkerSource)(
-            self, self._cell, self._config
-        )
+        self._source = self._chosen_source()
         self._gripper = Stream(self, contracts.GRIPPER_STATE)
         self._is_handed_over = False
         self.listen(self._source.told, self._on_description)
         self._reader = StreamReader(self, self._source.streams, self._read, 1.0 / self._config.min_rate)
         self.watch(("sim",))
+
+    def _chosen_source(self) -> FrameSource:
+        """The kind of sensor that the cell has."""
+        if self._cell.perception is Perception.MOCAP:
+            return MarkerSource(self, self._cell, self._config)
+        # Here: what fits shapes takes a second to load, which no node by markers shall wait for.
+        from pack_perception.ros.depth_source import DepthSource
+
+        return DepthSource(self, self._cell, self._config)
 
     @property
     def waits_for(self) -> str:

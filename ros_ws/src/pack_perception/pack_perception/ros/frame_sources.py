@@ -1,45 +1,27 @@
-"""Where frames come from, and what perception makes of one: markers, or depth images."""
+"""Where frames come from, and what perception makes of one: here markers."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 from typing import Protocol
 
-import numpy as np
 from pack_interfaces.msg import MocapMarkers
-from sensor_msgs.msg import CameraInfo, Image
-from std_msgs.msg import String
 
-from pack_core.camera import PinholeCamera
-from pack_core.errors import MessageError
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.depth import DepthFrame, FramePairing
+from pack_core.packing.depth import DepthFrame
 from pack_core.packing.markers import MarkerFrame
-from pack_core.packing.model import DEPTH_CAMERAS
 from pack_core.packing.scene import Scene
 from pack_core.ros.clock import StampCheck
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts.contract import Contract
-from pack_core.ros.messages.camera import from_camera_info, from_depth_image
-from pack_core.ros.messages.conversions import from_stamp
 from pack_core.ros.messages.packing import from_markers
 from pack_core.ros.node import CellNode
 from pack_core.ros.stream import Stream
-from pack_core.rotations import Array
-from pack_perception.depth.depth_estimator import DepthEstimator, PerceptionConfig
 from pack_perception.mocap.hand_over_estimator import HandOverEstimator
 from pack_perception.mocap.physics_estimator import Correction
+from pack_perception.perception_config import PerceptionConfig
 
 Frame = MarkerFrame | DepthFrame
-
-IMAGES = contracts.DEPTH_IMAGE_1, contracts.DEPTH_IMAGE_2
-INFOS = contracts.DEPTH_INFO_1, contracts.DEPTH_INFO_2
-"""By camera, as config/cells/packing.yaml lists them."""
-COVERED = 0.1
-"""Share of its pixels that a depth camera at least measures when nothing covers it; it is 0.9."""
-INTRINSICS = 0.5
-"""Largest difference between a depth camera's intrinsics and those that are described [pixel]."""
 
 
 class FrameSource(Protocol):
@@ -112,122 +94,3 @@ class MarkerSource:
         frame = from_markers(message)
         self._stamps.check(frame.time)
         self._taken.append(frame)
-
-
-class DepthSource:
-    """Images of the depth cameras; tells others what is known of the objects, as described or as seen.
-
-    Args:
-        node: who looks.
-        cell: the cell's physical facts.
-        config: parameters.
-    """
-
-    told = contracts.SIM_DESCRIPTION
-
-    def __init__(self, node: CellNode, cell: PackingCell, config: PerceptionConfig) -> None:
-        self._node, self._cell, self._config = node, cell, config
-        self._stamps = StampCheck(node)
-        self._cameras = cell.depth.cameras()
-        self._measured: dict[int, float] = {}
-        self._has_info = [False] * len(self._cameras)
-        self.streams = tuple(Stream(node, contract) for contract in IMAGES)
-        self._taken: list[tuple[float, int, Array]] = []
-        self._pairing = FramePairing(len(self._cameras))
-        self._described: Scene | None = None
-        self._description = node.advertise(contracts.DESCRIPTION)
-        for i, contract in enumerate(INFOS):
-            node.listen(contract, partial(self._on_info, i))
-
-    def begin(self, scene: Scene) -> HandOverEstimator:
-        """The estimate of a scene that was told."""
-        self._pairing = FramePairing(len(self._cameras))
-        estimator = DepthEstimator(scene, self._cell, self._config)
-        self._describe(estimator)
-        return estimator
-
-    def take(self) -> list[Frame]:
-        """The frames that have come, oldest first."""
-        self._taken = []
-        for i, (stream, contract) in enumerate(zip(self.streams, IMAGES, strict=True)):
-            for message in stream.take_all():
-                self._node.guard(contract, partial(self._add, i), message)
-        self._taken.sort(key=lambda item: item[:2])
-        frames = [self._pairing.add(camera, time, image) for time, camera, image in self._taken]
-        self._note()
-        return [frame for frame in frames if frame is not None]
-
-    def correct(self, estimator: HandOverEstimator, frame: Frame) -> Correction:
-        """Correct an estimate by images, and tell others of a scene that was seen anew."""
-        assert isinstance(frame, DepthFrame)
-        assert isinstance(estimator, DepthEstimator)
-        correction = estimator.see(frame)
-        self._describe(estimator)
-        self._node.health.faults.pop("registration", None)
-        if moved := self._moved(estimator):
-            self._node.health.faults["registration"] = moved
-        return correction
-
-    def unknown(self, estimator: HandOverEstimator | None) -> str:
-        """What has to be known before a goal, in words; empty: nothing."""
-        if not isinstance(estimator, DepthEstimator):
-            return f"no {self.told.name} yet: is sim up?"
-        if moved := self._moved(estimator):
-            return moved
-        if estimator.knows_objects:
-            return ""
-        missing = [c.name for c, has in zip(INFOS, self._has_info, strict=True) if not has]
-        return f"no {', '.join(missing)} yet" if missing else "no look into the container yet"
-
-    def _moved(self, estimator: DepthEstimator) -> str:
-        """Cameras that hang elsewhere than described, in words."""
-        off = [f"{DEPTH_CAMERAS[i]} is off by {words}" for i, words in estimator.misplaced.items()]
-        return f"{', '.join(off)}: hang it, or describe it in config/cells/packing.yaml" if off else ""
-
-    def _describe(self, estimator: DepthEstimator) -> None:
-        if estimator.knows_objects and estimator.scene is not self._described:
-            self._described = estimator.scene
-            self._description.publish(String(data=estimator.scene.to_yaml()))
-
-    def _on_info(self, camera: int, message: CameraInfo) -> None:
-        described = self._cameras[camera]
-        given = from_camera_info(message, described.X_WC)
-        if not _are_alike(given, described):
-            raise MessageError(
-                f"{DEPTH_CAMERAS[camera]} has {_intrinsics(given)}, described is {_intrinsics(described)}; "
-                "change `depth` in config/cells/packing.yaml, or the camera"
-            )
-        self._has_info[camera] = True
-
-    def _add(self, camera: int, message: Image) -> None:
-        time = from_stamp(message.header.stamp)
-        self._stamps.check(time)
-        if not self._has_info[camera]:
-            self._node.health.count("unused image", f"no intrinsics of {DEPTH_CAMERAS[camera]} yet")
-            return
-        image = from_depth_image(message, self._cameras[camera])
-        self._measured[camera] = np.count_nonzero(image) / image.size
-        self._taken.append((time, camera, image))
-
-    def _note(self) -> None:
-        """Report cameras that are not waited for, and those that see next to nothing."""
-        for camera, share in self._measured.items():
-            name = DEPTH_CAMERAS[camera]
-            self._node.health.faults.pop(name, None)
-            if share < COVERED:
-                seen = f"{name} measures {100 * share:.0f} % of its pixels"
-                self._node.health.faults[name] = f"{seen}: is its lens covered?"
-        silent = ", ".join(DEPTH_CAMERAS[i] for i in self._pairing.silent)
-        self._node.health.faults.pop("cameras", None)
-        if silent:
-            self._node.health.faults["cameras"] = f"{silent} brings no images; the other one goes on alone"
-
-
-def _are_alike(one: PinholeCamera, other: PinholeCamera) -> bool:
-    sizes = (one.width, one.height) == (other.width, other.height)
-    return sizes and bool(np.allclose((one.f, *one.c), (other.f, *other.c), rtol=0.0, atol=INTRINSICS))
-
-
-def _intrinsics(camera: PinholeCamera) -> str:
-    u, v = camera.c
-    return f"{camera.width} x {camera.height} pixels, f {camera.f:.1f}, middle ({u:.1f}, {v:.1f})"
