@@ -69,8 +69,9 @@ def test_ctrl_c_ends_all_nodes_and_keeps_what_was_recorded(tmp_path: Path) -> No
     assert process.stdout is not None
     next(line for line in process.stdout if line.startswith("INSERT"))
     process.send_signal(signal.SIGINT)
-    assert "stopped; what was recorded is in" in output_of(process)
-    assert process.returncode == 130
+    text = output_of(process)
+    assert "stopped; what was recorded is in" in text
+    assert process.returncode == 130, text
     log = (folder / "nodes.log").read_text()
     assert log.count("ended with exit code 0") == 5
     assert not load_run(folder).is_cut

@@ -11,6 +11,7 @@ from pack_interfaces.msg import NodeStatus, SimulationState
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
+from pack_bringup.ros.deferred_signals import deferred_signals
 from pack_core.errors import PackError
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
@@ -167,6 +168,7 @@ def follow_goal(
 def _turn(executor: SingleThreadedExecutor, node: GoalClient, on_turn: Callable[[GoalClient], None]) -> None:
     end = time.monotonic() + 0.1
     while (rest := end - time.monotonic()) > 0.0:
-        executor.spin_once(timeout_sec=rest)
+        with deferred_signals():
+            executor.spin_once(timeout_sec=rest)
     node.pursue()
     on_turn(node)

@@ -15,6 +15,7 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
+from pack_bringup.ros.deferred_signals import deferred_signals
 from pack_core.ros.contracts import shared
 from pack_core.ros.node_status import LISTENING
 from pack_core.ros.run import confirm_network, start_ros
@@ -71,7 +72,8 @@ class StatusListener:
             rest = deadline - time.monotonic()
             if rest <= 0.0:
                 return False
-            self._executor.spin_once(timeout_sec=min(rest, 0.1))
+            with deferred_signals():
+                self._executor.spin_once(timeout_sec=min(rest, 0.1))
         return True
 
     def unready(self, names: list[str]) -> dict[str, str]:

@@ -19,6 +19,7 @@ from sensor_msgs.msg import JointState
 from pack_bringup.job import CellGoal
 from pack_bringup.robustness.arm_record import ArmRecord
 from pack_bringup.robustness.fault_cases import GRASP
+from pack_bringup.ros.deferred_signals import deferred_signals
 from pack_core.errors import PackError
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
@@ -102,7 +103,8 @@ class CellObserver:
         while not condition():
             if time.monotonic() > deadline:
                 return False
-            self._executor.spin_once(timeout_sec=0.01)
+            with deferred_signals():
+                self._executor.spin_once(timeout_sec=0.01)
             for sent_ns, message in self._joints.take_with_times():
                 self._on_joints(message, sent_ns)
         return True

@@ -23,7 +23,6 @@ from pack_core.palletizing.orders.order import (
     Order,
     OrderBox,
 )
-from pack_core.palletizing.orders.order_file import order_as_written
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.text.json_text import parse_json
 from pack_core.text.limits import MOST_BOXES, MOST_CHARACTERS_OF_NAME, ArticleName
@@ -120,6 +119,9 @@ def load_items(path: Path, unit: Unit = "m") -> tuple[Item, ...]:
     try:
         text = read_text(path)
         if path.suffix.lower() == ".json" and _is_order(parse_json(text, str(path))):
+            # Here: checks of orders load a compiler, 100 MB that a simulator which reads lists does without.
+            from pack_core.palletizing.orders.order_file import order_as_written
+
             return _items_of_order(order_as_written(text, str(path)))
         rows = _rows_of_json(text, path) if path.suffix.lower() == ".json" else _rows_of_csv(text, path)
     except ConfigError as error:
