@@ -16,6 +16,7 @@ from replay.sample import sample_of
 COUNTS = {BLOCK_POSES: 2, IMAGE: 2, REARRANGEMENT_EVENTS: 2}
 """Messages that the sample holds; comparisons count for nothing if some are missing."""
 RUN = RunConditions()
+pytestmark = pytest.mark.usefixtures("compiled")
 
 
 @pytest.fixture

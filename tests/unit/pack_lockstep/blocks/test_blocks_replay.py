@@ -22,6 +22,7 @@ from pack_planner.rearrangement.methods import PlanningConfig
 from pack_planner.rearrangement.planning import plan
 
 SEED = 3
+pytestmark = pytest.mark.usefixtures("compiled")
 
 
 @pytest.fixture(scope="module")
