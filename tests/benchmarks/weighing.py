@@ -16,21 +16,21 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.orders.layout_plan import LayoutPlan, LayoutStatus, PlannedBox
 from pack_core.palletizing.orders.order import Order
 from pack_core.palletizing.orders.order_file import load_order
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.paths import config_path
 from pack_lockstep.palletizing.benchmark import order_files
+from pack_lockstep.palletizing.disturbances import CHANGES, DOUBLE, EMPTY, SLIP, PalletSite
 from pack_lockstep.palletizing.lockstep import PalletLockstep, Tick
 from pack_lockstep.palletizing.settings import PalletSetup, set_up
 from pallet_fsm.shift_floor import STRAIGHT_DOWN
 from pallet_fsm.states import State
 
-TIMES = {"as it is": 1.0, "nearly empty": 0.4, "twice as heavy": 2.0, "lost unnoticed": 1.0}
-"""By what is done: the mass of the box, as so many times what the order says."""
-RIGHT, *_, LOST = TIMES
+AS_IT_IS = "as it is"
+DONE = {AS_IT_IS: State.DETECT, EMPTY: State.DETECT, DOUBLE: State.DETECT, SLIP: State.LIFT}
+"""What is done, and in which state."""
 
 
 class Weighed(Exception):
@@ -61,20 +61,15 @@ def lift(setup: PalletSetup, order: Order, what: str, seed: int) -> Lift | None:
     planned = PlannedBox(PlacedBox(box.id, np.array([0.4, 0.3, 0.0]), extents, box.weight), STRAIGHT_DOWN)
     plan = LayoutPlan(LayoutStatus.SUCCESS, "", (planned,), 0.0, 0.0)
     cell = PalletLockstep(setup.cell, order, plan, setup.config, seed)
-    item, start = cell.palletizer.item, 0.0
+    item, start, is_done, site = cell.palletizer.item, 0.0, False, PalletSite(cell, box.id)
 
     def watch(tick: Tick) -> None:
-        nonlocal start
-        if tick.state is State.DETECT and TIMES[what] != 1.0:
-            simulator = cell.simulator
-            body, X_WB = simulator.boxes[0], simulator.truth().objects[box.id].X_WO
-            if body.mass == box.weight:
-                simulator.remove(box.id)
-                simulator.spawn(BoxBody(box.id, body.size, TIMES[what] * box.weight), X_WB)
+        nonlocal start, is_done
+        if tick.state is DONE[what] and not is_done and what != AS_IT_IS:
+            CHANGES[what](site)
+        is_done |= tick.state is DONE[what]
         if tick.state is State.LIFT and not start:
             start = tick.time
-            if what == LOST:
-                cell.simulator.gripper.slip()
         if item.weighed is not None:
             raise Weighed
 
@@ -82,7 +77,7 @@ def lift(setup: PalletSetup, order: Order, what: str, seed: int) -> Lift | None:
         cell.run(watch)
     if item.weighed is None:
         return None
-    hangs = 0.0 if what == LOST else TIMES[what] * box.weight
+    hangs = 0.0 if what == SLIP else site.body.mass
     is_named = cell.palletizer.machine.state is State.WRONG_WEIGHT
     return Lift(box.weight, is_named, cell.simulator.time - start, item.weighed - hangs)
 
@@ -94,7 +89,7 @@ def main(preset: str = "rigid", boxes: int = 200, seed: int = 900) -> None:
     everything = [(order, box) for order in orders for box in order.boxes]
     rng = np.random.default_rng(seed)
     drawn = [everything[i] for i in rng.permutation(len(everything))[:boxes]]
-    lifts: dict[str, list[Lift]] = {what: [] for what in TIMES}
+    lifts: dict[str, list[Lift]] = {what: [] for what in DONE}
     for number, (order, box) in enumerate(track(drawn, "lifting")):
         for what, found in lifts.items():
             done = lift(setup, order.model_copy(update={"boxes": (box,)}), what, seed + number)

@@ -1,8 +1,8 @@
 """What the machine does about a load of another weight, in the cell without physics."""
 
 from collections.abc import Callable
+from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
 from pack_core.palletizing.cell import REJECT_TABLE
@@ -96,9 +96,13 @@ def test_what_was_weighed_is_in_the_report(weigh) -> None:
     assert [box["weighed"] for box in report.to_json()["boxes"]] == [box.mass for box in report.boxes]
 
 
-def test_nothing_is_weighed_where_that_is_turned_off(weigh) -> None:
-    weigh(0.0)
-    assert load_watch.LoadWatch(WeighingConfig(window=0.0), None).fault() == ""
+@pytest.mark.parametrize("window", [0.0, 0.12])
+def test_joints_are_noted_unless_weighing_is_turned_off(monkeypatch, window: float) -> None:
+    noted: list[object] = []
+    monkeypatch.setattr(load_watch, "HandScale", lambda cell: SimpleNamespace(note=noted.append))
+    seen = SimpleNamespace(sample=object())
+    load_watch.LoadWatch(WeighingConfig(window=window), None).observe(seen)
+    assert noted == ([seen.sample] if window else [])
 
 
 def test_nobody_knows_what_a_rejected_box_should_weigh(weigh) -> None:
@@ -122,4 +126,3 @@ def test_a_tenth_and_a_kilogram_are_allowed(weigh, mass: float, is_right: bool) 
     assert (watch.fault() == "") is is_right
     assert watch.fault() == ""
     assert item.weighed == mass
-    assert np.isfinite(item.weighed)
