@@ -57,6 +57,8 @@ lock: setup ## resolve requirements/*.in anew
 		--generate-hashes -c locked.txt cluster.in -o cluster.txt
 	@cd requirements && ../.venv/bin/uv pip compile -q --universal --python-version 3.11 --no-annotate \
 		--generate-hashes -c locked.txt mutation.in -o mutation.txt
+	@cd requirements && ../.venv/bin/uv pip compile -q --universal --python-version 3.11 --no-annotate \
+		--generate-hashes -c locked.txt opcua.in -o opcua.txt
 
 clean: ## remove .venv and everything built; recordings in bags/ stay
 	rm -rf .venv ros_ws/build ros_ws/install ros_ws/log .mypy_cache .pytest_cache .ruff_cache

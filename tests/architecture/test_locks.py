@@ -15,7 +15,7 @@ def requirements(name: str) -> list[str]:
     return [line for line in lines if line and not line.startswith("#")]
 
 
-@pytest.mark.parametrize("name", ["locked.txt", "cluster.txt", "mutation.txt"])
+@pytest.mark.parametrize("name", ["locked.txt", "cluster.txt", "mutation.txt", "opcua.txt"])
 def test_every_locked_requirement_has_one_version_and_hashes(name: str) -> None:
     found = requirements(name)
     assert found

@@ -13,9 +13,8 @@ import yaml
 from pack_core.cells import CELLS
 from pack_core.paths import config_path
 from pack_core.ros.contracts.contract import Contract, Kind
-from pack_core.ros.contracts.table import wiring_of
+from pack_core.ros.contracts.table import goal_actions, wiring_of
 from pack_core.ros.messages.conversions import WORLD
-from pack_viewer.live_node import goal_actions
 
 TRANSIENT = "Transient Local"
 TOPIC_KEYS = ("topic", "topicPath", "topicToRender", "imageTopic", "value")

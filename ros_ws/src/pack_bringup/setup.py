@@ -20,6 +20,7 @@ setup(
         "console_scripts": [
             "recorder_node = pack_bringup.recording.recorder_node:main",
             "foxglove_node = pack_bringup.foxglove_node:main",
+            "opcua_node = pack_bringup.opcua.opcua_node:main",
             "pack = pack_bringup.cli.main:main",
         ]
     },

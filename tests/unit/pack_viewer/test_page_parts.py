@@ -6,12 +6,12 @@ from unittest.mock import Mock
 
 import pytest
 
+from pack_core.cell_condition import CellCondition
 from pack_viewer.event_log import EventLog
 from pack_viewer.fragments import RED, chips, facts, headline, lines, signed_list
 from pack_viewer.node_board import NodeBoard, level_of
 from pack_viewer.palletizing.order_progress import OrderProgress
 from pack_viewer.rolling_plot import RollingPlot
-from pack_viewer.run_panel import CellCondition
 from pallet_fsm.states import ENDS, State
 
 READY = CellCondition(is_up=True)

@@ -61,6 +61,15 @@ PARTS = {
     "seeded_job": CellPart(
         "pack_bringup.{cell}.goals", "seeded_job", "the same goal with nodes that are started for it"
     ),
+    "given_goal": CellPart(
+        "pack_bringup.{cell}.goals", "given_goal", "a goal from the text of an order, list or problem"
+    ),
+    "shift_goal": CellPart(
+        "pack_bringup.{cell}.shift_command", "shift_goal", "the goal of a shift", is_optional=True
+    ),
+    "production": CellPart(
+        "pack_bringup.{cell}.production", "PRODUCTION", "what the cell does and has done, for `pack opcua`"
+    ),
     "benchmark": CellPart("pack_bringup.{cell}.commands", "benchmark", "the command `pack benchmark CELL`"),
     "replays": CellPart("pack_lockstep.{cell}.replay", "REPLAYS", "the nodes that `pack replay` can replay"),
     "disturbances": CellPart(

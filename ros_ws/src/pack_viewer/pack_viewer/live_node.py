@@ -15,16 +15,16 @@ from rclpy.qos import DurabilityPolicy
 from pack_core.cells import CELLS, cell_part
 from pack_core.config import Config
 from pack_core.errors import ConfigError
-from pack_core.ros.contracts.contract import NEWEST, Contract, Kind
-from pack_core.ros.contracts.table import wiring_of
+from pack_core.ros.contracts.contract import NEWEST, Contract
+from pack_core.ros.contracts.table import goal_actions, wiring_of
 from pack_core.ros.node import CellNode
 from pack_core.ros.run import run_node
+from pack_core.ros.running_cell import RunningCell
 from pack_core.ros.stream import NodeThread, Stream
 from pack_viewer.cell_page import CellPage
 from pack_viewer.event_log import EventLog
 from pack_viewer.live_page import SHARED_TOPICS, LivePage
 from pack_viewer.news import News, Topics, seconds
-from pack_viewer.ros.live_operator import LiveOperator
 from pack_viewer.ros.parameter_sliders import ParameterSliders
 from pack_viewer.ros.run_form import RunForm
 from pack_viewer.run_panel import RunPanel
@@ -80,6 +80,25 @@ def _stream(node: Node, contract: Contract, is_state: bool) -> Any:
 
 TOKEN_VARIABLE = "PACKCELL_PAGE_TOKEN"
 """The token comes from the environment: everybody in the graph can read a node's parameters."""
+
+
+class LiveOperator(RunningCell):
+    """Starts what the page's form holds.
+
+    Args:
+        node: who asks; it must be spun meanwhile.
+        actions: the cell's actions, all of one node.
+        form: what the next goal is.
+        log: is told how requests went.
+    """
+
+    def __init__(self, node: CellNode, actions: Sequence[Contract], form: RunForm, log: EventLog) -> None:
+        super().__init__(node, actions, log.add, "on the page")
+        self._form = form
+
+    def start(self, who: str) -> None:
+        """Reset the cell and send the goal; raises PackError where the form holds none."""
+        self.send(self._form.goal(), self._form.reset(), who)
 
 
 class LiveNodeConfig(Config):
@@ -143,12 +162,6 @@ class LiveNode(CellNode):
         self.page.turn()
         period = self._period * (SPARING if self.page.cell.is_sparing else 1)
         time.sleep(max(0.0, begun + period - time.monotonic()))
-
-
-def goal_actions(cell: str) -> list[Contract]:
-    """The actions of a cell of which a user sends goals; those of an arm's driver are the motion's."""
-    actions = [contract for contract in wiring_of(cell) if contract.kind is Kind.ACTION]
-    return [action for action in actions if "user" in action.sources]
 
 
 def main() -> int:

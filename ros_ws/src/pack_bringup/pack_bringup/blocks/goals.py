@@ -62,6 +62,19 @@ def seeded_goal(seed: int) -> BlocksGoal:
     return BlocksGoal(problem_of(None, blocks=4, density=0.2, seed=seed), seed=seed)
 
 
+def given_goal(text: str, seed: int) -> BlocksGoal:
+    """The goal of a problem's text.
+
+    Raises:
+        ConfigError: it is no problem, or contradicts itself.
+    """
+    from pack_core.blocks.cell import blocks_cell
+    from pack_core.blocks.problem_file import parse_problem
+
+    parse_problem(text, "the problem", blocks_cell(), goals_only=True)
+    return BlocksGoal(text, seed=seed)
+
+
 def problem_of(file: Path | None, blocks: int, density: float, seed: int, mixed: bool = False) -> str:
     """The text of a problem file, or of a generated problem where there is no file.
 

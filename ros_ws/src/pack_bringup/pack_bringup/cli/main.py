@@ -9,7 +9,20 @@ from typing import Annotated
 
 import typer
 
-from pack_bringup.cli import bag, cells, driver, evaluate, play, replay, results, run, status, up, wiring
+from pack_bringup.cli import (
+    bag,
+    cells,
+    driver,
+    evaluate,
+    opcua,
+    play,
+    replay,
+    results,
+    run,
+    status,
+    up,
+    wiring,
+)
 from pack_bringup.cli.terminal import no_colours, notice
 from pack_bringup.robustness import commands as robustness
 from pack_core.cells import CELLS, optional_cell_part
@@ -37,9 +50,24 @@ app = typer.Typer(
     - `pack run pack_sim sim_node` starts one node
     - `pack wiring` shows every topic, service and action
     - `pack driver check blocks --domain 7` says whether a driver of an arm does what the cell asks of it
+    - `pack opcua palletizing` serves a running cell to a PLC
     """,
 )
-for command in (cells, evaluate, results, bag, replay, play, up, status, run, robustness, wiring, driver):
+for command in (
+    cells,
+    evaluate,
+    results,
+    bag,
+    replay,
+    play,
+    up,
+    status,
+    run,
+    robustness,
+    wiring,
+    driver,
+    opcua,
+):
     app.add_typer(command.app)
 for cell in CELLS:
     for cells_own in optional_cell_part(cell, "commands") or ():

@@ -121,6 +121,18 @@ def fill_goal(seed: int, given: Path | None) -> PackingGoal:
     return PackingFillGoal(seed, list_text=wanted_list(seed, given, packing_cell()).to_yaml())
 
 
+def given_goal(text: str, seed: int) -> PackingGoal:
+    """The goal of a packing list's text.
+
+    Raises:
+        ConfigError: the list cannot be used.
+    """
+    from pack_core.packing.cell import packing_cell
+
+    parse_list(text, "the list", packing_cell())
+    return PackingFillGoal(seed, list_text=text)
+
+
 @dataclass(frozen=True)
 class PackingJob(PackingGoal):
     """What to run.

@@ -76,6 +76,39 @@ def seeded_goal(seed: int) -> PalletizingGoal:
 
 
 @dataclass(frozen=True)
+class GivenOrderGoal(PalletizingGoal):
+    """An order that comes as text.
+
+    Attributes:
+        text: the order as JSON.
+    """
+
+    order: Path = Path()
+    text: str = ""
+
+    def goal(self) -> tuple[Contract, Any]:
+        """The action, and its goal."""
+        from pack_interfaces.action import Palletize
+
+        from pack_core.ros.contracts.palletizing import PALLETIZE
+
+        return PALLETIZE, Palletize.Goal(order=self.text, profile=self.profile)
+
+
+def given_goal(text: str, seed: int) -> PalletizingGoal:
+    """The goal of an order's text.
+
+    Raises:
+        OrderError: the cell cannot build it.
+    """
+    from pack_core.palletizing.cell import palletizing_cell
+    from pack_core.palletizing.orders.order_file import parse_order
+
+    parse_order(text, "the order", cell=palletizing_cell())
+    return GivenOrderGoal(seed=seed, text=text)
+
+
+@dataclass(frozen=True)
 class CellCalibrationGoal:
     """What to do.
 

@@ -15,6 +15,7 @@ from pack_bringup.cli.pursue import run_goal
 from pack_core.errors import ConfigError
 
 if TYPE_CHECKING:
+    from pack_bringup.palletizing.goals import ShiftGoal
     from pack_bringup.viewers import PageProcess
     from pack_core.palletizing.shift_journal import ShiftEvent
 
@@ -234,6 +235,25 @@ def newest_shift() -> Path:
     return found[-1].parent
 
 
+def shift_goal(boxes: int, seed: int, *, is_resumed: bool, output: Path | None = None) -> ShiftGoal:
+    """The goal of a shift.
+
+    Args:
+        boxes: it ends when so many have come.
+        seed: of what comes on a simulated conveyor.
+        is_resumed: whether a shift is gone on with; boxes and seed are those of it.
+        output: folder of the journal; None: a new one, or that of the newest shift where it goes on.
+
+    Raises:
+        ConfigError: there is no shift to go on with.
+    """
+    from pack_bringup.palletizing.goals import ShiftGoal
+    from pack_bringup.recording.run_record import default_folder
+
+    begun = newest_shift() if is_resumed and output is None else default_folder(SHIFTS, seed, datetime.now())
+    return ShiftGoal(output or begun, boxes, seed, is_resumed)
+
+
 def send_shift(
     boxes: int, output: Path | None, seed: int, *, is_resumed: bool, reset: bool, domain: int | None,
     network: str,
@@ -249,13 +269,10 @@ def send_shift(
         domain: ROS domain id; None: the environment's.
         network: the network of a cell on several machines; empty: this machine.
     """
-    from pack_bringup.palletizing.goals import ShiftGoal
-    from pack_bringup.recording.run_record import default_folder
     from pack_core.palletizing.shift_journal import JOURNAL
 
-    begun = newest_shift() if is_resumed and output is None else default_folder(SHIFTS, seed, datetime.now())
-    folder = output or begun
-    wanted = ShiftGoal(folder, boxes, seed, is_resumed)
+    wanted = shift_goal(boxes, seed, is_resumed=is_resumed, output=output)
+    folder = wanted.folder
 
     def show(_: object) -> None:
         if (folder / JOURNAL).is_file():  # a goal that was refused has none

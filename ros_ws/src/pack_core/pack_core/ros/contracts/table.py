@@ -52,3 +52,9 @@ def nodes_of(cell: str) -> set[str]:
     """The nodes that a cell's table names."""
     ends = {name for contract in wiring_of(cell) for name in (*contract.sources, *contract.targets)}
     return ends - EVERYBODY
+
+
+def goal_actions(cell: str) -> list[Contract]:
+    """The actions of a cell of which a user sends goals; those of an arm's driver are the motion's."""
+    actions = [contract for contract in wiring_of(cell) if contract.kind is Kind.ACTION]
+    return [action for action in actions if "user" in action.sources]
