@@ -19,10 +19,12 @@ from pack_interfaces.msg import ArmState, RearrangeStatus, SimulationState
 from pack_interfaces.srv import ResetScene, StopArm
 from std_srvs.srv import Trigger
 
+from integration.blocks.test_blocks_nodes import start_sim
 from integration.harness import Graph
 from integration.opcua_rig import PREFIX, OpcUaClient
 from pack_bringup.opcua.opcua_node import OpcuaNode
 from pack_bringup.opcua.server import APPLICATION_URI
+from pack_core.blocks.problem_file import parse_problem
 from pack_core.paths import config_path, project_root
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import shared
@@ -189,6 +191,25 @@ def test_a_stop_is_an_alarm_until_it_is_released_and_nothing_but_methods_changes
     client.wait_for("Alarms.Active", [])
     graph.wait_until(lambda: len(client.events) == 2)
     assert [event[:2] for event in client.events] == [("ArmStopped", True), ("ArmStopped", False)]
+
+
+def test_the_simulator_is_stopped_and_put_into_a_scene_which_releases_it(
+    graph: Graph, tmp_path: Path
+) -> None:
+    sim = start_sim(graph, tmp_path, 0.4)
+    port = free_port()
+    graph.start(OpcuaNode, cell="blocks", port=port)
+    client = OpcUaClient(graph, f"opc.tcp://127.0.0.1:{port}")
+    client.wait_for("State", "Waiting")  # for the machine
+    assert client.call("Stop", ("test", TEXT)) == (True, "")
+    client.wait_for("State", "Stopped")
+    assert client.call("SetNextOrder", (PROBLEM, TEXT), (0, COUNT)) == (True, "")
+    client.call("Reset")
+    client.wait_for("Arm.IsStopped", False)
+    blocks = {block.id for block in parse_problem(PROBLEM, "problem").blocks}
+    with sim.lock:
+        assert set(sim.simulator.tags) == blocks
+    client.close()
 
 
 @pytest.fixture
