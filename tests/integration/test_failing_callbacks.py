@@ -9,7 +9,7 @@ from pack_interfaces.srv import StopArm
 from std_msgs.msg import Float64
 
 from integration.harness import Graph
-from pack_core.errors import ConfigError, MessageError
+from pack_core.errors import MessageError
 from pack_core.ros.contracts import shared
 from pack_core.ros.health import IN_A_ROW
 from pack_core.ros.node import CellNode
@@ -82,8 +82,3 @@ def test_a_service_that_always_fails_is_a_fault_until_it_answers(graph: Graph, n
     assert f"{shared.STOP_ARM.name} has failed {IN_A_ROW} times in a row" in str(node.health.faults)
     graph.call(shared.STOP_ARM, StopArm.Request(reason="now"))
     assert not node.health.faults
-
-
-def test_a_namespace_that_topics_would_not_follow_is_refused(graph: Graph) -> None:
-    with pytest.raises(ConfigError, match="'apart' was put into the namespace /left; allowed: none"):
-        CellNode("apart", context=graph.context, namespace="left")

@@ -10,6 +10,7 @@ from importlib.util import find_spec
 
 from pack_bringup.graph.executables import find_executable
 from pack_core.errors import ConfigError
+from pack_core.namespace import ROOT
 
 NODE = "live"
 TOKEN_VARIABLE = "PACKCELL_PAGE_TOKEN"
@@ -26,16 +27,19 @@ class PageProcess:
         port: of the page.
         host: address to listen on; others than 127.0.0.1 need a token.
         token: what a browser must bring; empty: none.
+        namespace: of the cell, as rcl writes it.
     """
 
     cell: str
     port: int
     host: str = "127.0.0.1"
     token: str = ""
+    namespace: str = ROOT
 
     def commands(self) -> dict[str, list[str]]:
         """The command of the node, by its name."""
         command = [str(find_executable("pack_viewer", "live_node")), "--ros-args", "-r", f"__node:={NODE}"]
+        command += ["-r", f"__ns:={self.namespace}"]
         for name, value in {"cell": self.cell, "port": self.port, "host": self.host}.items():
             command += ["-p", f"{name}:={json.dumps(value)}"]
         return {NODE: command}  # it does not stand back behind others (nice): STOP goes through it
@@ -62,7 +66,7 @@ FOXGLOVE_ADDRESS = "ws://127.0.0.1:8765"
 INSTALL = ".venv/bin/uv pip install --python .venv/bin/python --require-hashes -r requirements/foxglove.txt"
 
 
-def foxglove_command(cell: str) -> dict[str, list[str]]:
+def foxglove_command(cell: str, namespace: str = ROOT) -> dict[str, list[str]]:
     """The command of the node that serves a cell's topics, by its name.
 
     Raises:
@@ -71,6 +75,7 @@ def foxglove_command(cell: str) -> dict[str, list[str]]:
     if find_spec("foxglove") is None:
         raise ConfigError(f"--foxglove needs foxglove-sdk, which is an extra; run: {INSTALL}")
     executable = str(find_executable("pack_bringup", "foxglove_node"))
-    arguments = ["--ros-args", "-r", f"__node:={FOXGLOVE}", "-p", f"cell:={cell}"]
+    arguments = ["--ros-args", "-r", f"__node:={FOXGLOVE}", "-r", f"__ns:={namespace}"]
+    arguments += ["-p", f"cell:={cell}"]
     # It stands back behind the nodes: a late message to a viewer does no harm, a late setpoint does.
     return {FOXGLOVE: ["nice", "-n", "5", executable, *arguments]}

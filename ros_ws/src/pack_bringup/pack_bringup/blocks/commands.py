@@ -12,12 +12,14 @@ from pack_bringup.cli.benchmark_run import RunOptions, run
 from pack_bringup.cli.options import (
     PORT,
     BenchmarkFolder,
+    CellAddress,
     Domain,
     FreeDomain,
     Fresh,
     Jobs,
     JsonFile,
     Live,
+    Namespace,
     Network,
     Port,
     Ray,
@@ -53,6 +55,7 @@ def goal(
     method: Method = "",
     reset: Reset = True,
     domain: Domain = None,
+    namespace: Namespace = "",
     network: Network = "",
 ) -> None:
     """Have a running cell rearrange blocks into a dense grid.
@@ -66,7 +69,7 @@ def goal(
     from pack_bringup.blocks.goals import BlocksGoal, problem_of
 
     wanted = BlocksGoal(problem_of(problem, blocks, density, seed, mixed), seed, _checked(method))
-    run_goal(wanted, reset=reset, domain=domain, network=network)
+    run_goal(wanted, CellAddress(domain, namespace, network), reset=reset)
 
 
 def _checked(method: str) -> str:

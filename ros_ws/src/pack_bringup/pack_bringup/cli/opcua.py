@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from pack_bringup.cli.options import Domain, Network, domain_of, prepare_network
+from pack_bringup.cli.options import Domain, Namespace, Network, domain_of, prepare_network
 from pack_bringup.graph.executables import find_executable
 from pack_core.cells import CELLS, check_cell
 
@@ -37,6 +37,7 @@ def opcua(
         typer.Option(metavar="DIR", help="Certificates of the clients that are let in, and of no others."),
     ] = None,
     domain: Domain = None,
+    namespace: Namespace = "",
     network: Network = "",
 ) -> None:
     """Serve a running cell to a PLC over OPC UA, until Ctrl-C (docs/operate/opcua.md).
@@ -55,7 +56,7 @@ def opcua(
     ServerSettings(host, port, certificate, key, trusted).check()
     prepare_network(network)
     executable = str(find_executable("pack_bringup", "opcua_node"))
-    command = [executable, "--ros-args", "-r", f"__node:={NODE}"]
+    command = [executable, "--ros-args", "-r", f"__node:={NODE}", "-r", f"__ns:={namespace}"]
     parameters: dict[str, str | int] = {"cell": check_cell(cell), "host": host, "port": port}
     for name, path in {"certificate": certificate, "key": key, "trusted": trusted}.items():
         if path is not None:

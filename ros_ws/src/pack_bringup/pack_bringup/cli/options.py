@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,6 +11,7 @@ import typer
 
 from pack_bringup.cli.outputs import check_json_file
 from pack_bringup.cli.terminal import notice
+from pack_core.namespace import ROOT, checked_namespace
 from pack_core.network import LAST_DOMAIN, domain_in
 
 if TYPE_CHECKING:
@@ -46,6 +48,36 @@ Network = Annotated[
         help="Talk to other machines over this network interface, too. Default: this machine alone.",
     ),
 ]
+
+
+Namespace = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME",
+        help="Namespace of the cell, e.g. `left`: two cells of one ROS domain need one each. Default: none.",
+        callback=checked_namespace,
+    ),
+]
+
+
+@dataclass(frozen=True)
+class CellAddress:
+    """Which of the running cells a command is for.
+
+    Attributes:
+        domain: ROS domain id; None: the environment's.
+        namespace: of the cell, as rcl writes it.
+        network: the network of a cell on several machines; empty: this machine.
+    """
+
+    domain: int | None
+    namespace: str = ROOT
+    network: str = ""
+
+
+def namespace_words(namespace: str) -> str:
+    """The option as other commands need it, after a space; empty if they do not need it."""
+    return "" if namespace == ROOT else f" --namespace {namespace.removeprefix('/')}"
 
 
 def prepare_network(network: str = "") -> None:
@@ -143,11 +175,13 @@ Token = Annotated[
 ]
 
 
-def page_process(cell: str, live: bool, port: int, host: str = HOST, token: str = "") -> PageProcess | None:
+def page_process(
+    cell: str, live: bool, port: int, host: str = HOST, token: str = "", namespace: str = ROOT
+) -> PageProcess | None:
     """The page that the options ask for; None without `--live`."""
     from pack_bringup.viewers import PageProcess
 
-    return PageProcess(cell, port, host, token) if live else None
+    return PageProcess(cell, port, host, token, namespace) if live else None
 
 
 Foxglove = Annotated[

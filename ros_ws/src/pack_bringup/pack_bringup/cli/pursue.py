@@ -9,10 +9,10 @@ from typing import Any, NoReturn
 import typer
 
 from pack_bringup.cli.evaluate import evaluator_of, run_evaluation, show
-from pack_bringup.cli.options import domain_of, prepare_network
+from pack_bringup.cli.options import CellAddress, domain_of, prepare_network
 from pack_bringup.cli.outputs import make_output_folder
 from pack_bringup.cli.terminal import LiveLine, end_as_by_ctrl_c, notice
-from pack_bringup.graph.running import nodes_here, running_cells
+from pack_bringup.graph.running import nodes_here, place, running_cells
 from pack_bringup.job import LOG, CellGoal, Job, progress_of, run_demo
 from pack_bringup.pace import Pace
 from pack_bringup.recording.run_record import BAG_FOLDER
@@ -22,31 +22,29 @@ from pack_evaluation.record import RECORD
 
 
 def run_goal(
-    goal: CellGoal, *, reset: bool, domain: int | None, network: str,
-    show: Callable[[Any], None] = lambda _: None,
-) -> NoReturn:  # fmt: skip
+    goal: CellGoal, at: CellAddress, *, reset: bool, show: Callable[[Any], None] = lambda _: None
+) -> NoReturn:
     """Send a goal, show how it goes, and leave with 0 if it succeeded and 1 if not.
 
     Ctrl-C cancels the goal; its result is still waited for. A second one leaves at once.
 
     Args:
         goal: what to do.
+        at: the cell.
         reset: whether the cell is put into the goal's scene first.
-        domain: ROS domain id; None: the environment's.
-        network: the network of a cell on several machines; empty: this machine.
         show: shows what the result says beyond its message.
 
     Raises:
         PackError: the cell does not run here, or the goal was refused.
     """
-    prepare_network(network)
+    prepare_network(at.network)
     from pack_bringup.ros.goal_client import GoalClient, follow_goal
 
-    where = domain_of(domain)
-    if not network:
-        _check_running(goal.cell, where)
+    where, namespace = domain_of(at.domain), at.namespace
+    if not at.network:
+        _check_running(goal.cell, where, namespace)
     # Those that run here: a cell may lack some, as the simulator beside a real arm, or have them elsewhere.
-    names = sorted({goal.server} | nodes_here(goal.cell, where))
+    names = sorted({goal.server} | nodes_here(goal.cell, where, namespace))
     canceling = _Canceling()
     with LiveLine() as line:
 
@@ -56,7 +54,8 @@ def run_goal(
 
         def make() -> GoalClient:
             contract, message = goal.goal()
-            return GoalClient(contract, message, names, goal.reset() if reset else None)
+            scene = goal.reset() if reset else None
+            return GoalClient(contract, message, names, scene, namespace=namespace)
 
         result = follow_goal(make, on_turn, domain=where)
     reason = getattr(result, "exit_reason", "success" if result.success else "failure")
@@ -65,13 +64,13 @@ def run_goal(
     raise typer.Exit(0 if result.success else 1)
 
 
-def _check_running(cell: str, domain: int) -> None:
-    if nodes_here(cell, domain):
+def _check_running(cell: str, domain: int, namespace: str) -> None:
+    if nodes_here(cell, domain, namespace):
         return
-    others = [f"in domain {number} {what}" for number, what in running_cells().items()]
-    elsewhere = f"; {', '.join(others)} (--domain)" if others else ""
+    others = [f"in {place(*other)} {what}" for other, what in running_cells().items()]
+    elsewhere = f"; {', '.join(others)} (--domain, --namespace)" if others else ""
     raise PackError(
-        f"no node of the {cell} cell runs in ROS domain {domain} on this machine: "
+        f"no node of the {cell} cell runs in {place(domain, namespace)} on this machine: "
         f"`pack up {cell}` starts it{elsewhere}"
     )
 

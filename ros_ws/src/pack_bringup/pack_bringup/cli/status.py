@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from pack_bringup.cli.options import Domain, Network, domain_of, prepare_network
+from pack_bringup.cli.options import Domain, Namespace, Network, domain_of, prepare_network
 from pack_bringup.cli.terminal import show_table
 
 if TYPE_CHECKING:
@@ -22,37 +22,42 @@ PATIENCE = 5.0
 
 
 @app.command()
-def status(domain: Domain = None, network: Network = "") -> None:
+def status(domain: Domain = None, namespace: Namespace = "", network: Network = "") -> None:
     """Show what runs in a ROS domain: each node, since when it runs, its state and its health.
 
-    Cells of this machine in other domains are named below. The exit code is 0 if a cell runs and all its
-    nodes are ready and healthy, else 1.
+    Cells of this machine in other domains and namespaces are named below. The exit code is 0 if a cell runs
+    and all its nodes are ready and healthy, else 1.
 
     - `pack status`
     - `pack status --domain 7`
+    - `pack status --namespace left`
     """
     prepare_network(network)
-    from pack_bringup.graph.running import all_cell_nodes, described, running_cells
+    from pack_bringup.graph.running import (
+        all_cell_nodes,
+        cell_nodes_here,
+        described,
+        place,
+        running_cells,
+    )
     from pack_bringup.ros.status_listener import StatusListener
-    from pack_core.ros.watch.local_nodes import nodes_on_this_machine
 
     where = domain_of(domain)
-    with StatusListener(where) as listener:
-        known = all_cell_nodes()
-        running = known.intersection(nodes_on_this_machine().get(where, ()))
+    with StatusListener(where, namespace) as listener:
+        known, running = all_cell_nodes(), cell_nodes_here(where, namespace)
         listener.spin_until(lambda: False, DISCOVERY)
         listener.spin_until(lambda: running <= listener.statuses.keys() & listener.health.keys(), PATIENCE)
         nodes = [item for name, item in sorted(listener.statuses.items()) if name in known]
         faults = {name: item.message for name, item in listener.health.items() if item.level != b"\x00"}
     if nodes:
         names = [node.name for node in nodes]
-        typer.echo(f"ROS domain {where}: {described(names)}")
+        typer.echo(f"{place(where, namespace)}: {described(names)}")
         show_table(("node", "runs for", "state", "for", "what"), _rows(nodes, faults))
     else:
-        typer.echo(f"ROS domain {where}: no cell runs")
-    for number, what in running_cells().items():
-        if number != where:
-            typer.echo(f"ROS domain {number}: {what}")
+        typer.echo(f"{place(where, namespace)}: no cell runs")
+    for other, what in running_cells().items():
+        if other != (where, namespace):
+            typer.echo(f"{place(*other)}: {what}")
     is_well = nodes and not faults and all(node.state >= node.READY for node in nodes)
     raise typer.Exit(0 if is_well else 1)
 

@@ -7,7 +7,7 @@ import signal
 import sys
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -18,11 +18,13 @@ from pack_bringup.cli.options import (
     Foxglove,
     Host,
     Live,
+    Namespace,
     Network,
     Port,
     Token,
     domain_of,
     domain_words,
+    namespace_words,
     page_process,
     prepare_network,
 )
@@ -36,6 +38,9 @@ from pack_bringup.recording.run_record import Record
 from pack_bringup.viewers import FOXGLOVE_ADDRESS, foxglove_command
 from pack_core.config import merged
 from pack_core.paths import bags_path
+
+if TYPE_CHECKING:
+    from pack_bringup.ros.status_listener import StatusListener
 
 app = typer.Typer()
 RESTART_PERIOD = 0.2
@@ -67,6 +72,7 @@ def up(
         typer.Option(help="Record while goals run, always, or never. Default: goals."),
     ] = None,
     domain: Domain = None,
+    namespace: Namespace = "",
     network: Network = "",
     live: Live = False,
     port: Port = PORT,
@@ -94,29 +100,33 @@ def up(
     - `pack up packing --foxglove`, for Foxglove and Lichtblick (docs/operate/rviz_and_foxglove.md)
     - `pack up packing --restart`, for a cell that is left alone
     - `pack up packing --network eth0`, for nodes on other machines
+    - `pack up blocks --namespace left`, beside `pack up blocks --namespace right`
     """
+    from pack_bringup.ros.status_listener import StatusListener
+
     graph = load_graph(cell)
-    log = _log_file(cell)
+    log = _log_file(cell, namespace)
     graph = graph.only(only) if only else graph
     names = [node.name for node in graph.nodes]
     given = {name: rest for name, rest in conditions(cell, preset, calibration).items() if name in names}
     if record is not None and "recorder" in names:
         given = merged(given, {"recorder": {"record": record}})
-    commands = graph.commands(merged(given, parse_overrides(settings or [])))
+    commands = graph.commands(merged(given, parse_overrides(settings or [])), namespace)
     prepare_network(network)
     where = domain_of(domain)
-    check_domain_is_free(where, cell, names)
+    check_domain_is_free(where, cell, names, namespace=namespace)
     environment = {"ROS_DOMAIN_ID": str(where)}
-    if page := page_process(cell, live, port, host, token):
+    if page := page_process(cell, live, port, host, token, namespace):
         commands |= page.commands()
         environment |= page.environment()
         typer.echo(page.announcement)
     if foxglove:
-        commands |= foxglove_command(cell)
+        commands |= foxglove_command(cell, namespace)
         typer.echo(f"Foxglove: open the connection {FOXGLOVE_ADDRESS}, read only")
     end_as_by_ctrl_c(signal.SIGINT, signal.SIGTERM)
-    next_step = ready_words(cell, names if only else [], domain_words(domain))
-    died = _run(commands, environment, names, log, next_step, with_restarts=restart)
+    next_step = ready_words(cell, names if only else [], domain_words(domain) + namespace_words(namespace))
+    listener = StatusListener(where, namespace)
+    died = _run(commands, environment, names, log, next_step, listener, with_restarts=restart)
     if died:
         notice(f"died before the end: {', '.join(died)}", typer.colors.RED, is_error=True)
         raise typer.Exit(1)
@@ -128,7 +138,7 @@ def ready_words(cell: str, only: list[str], domain: str) -> str:
     Args:
         cell: theirs.
         only: names of the nodes where not all were started; these alone take no goal.
-        domain: the option that other commands need to join them, after a space, or nothing.
+        domain: the options that other commands need to join them, after a space, or nothing.
     """
     if only:
         return f"ready: {', '.join(only)}; `pack status{domain}` shows what else runs, Ctrl-C ends it"
@@ -137,18 +147,16 @@ def ready_words(cell: str, only: list[str], domain: str) -> str:
 
 def _run(
     commands: dict[str, list[str]], environment: dict[str, str], names: list[str], log: Path, next_step: str,
-    *, with_restarts: bool,
+    statuses: StatusListener, *, with_restarts: bool,
 ) -> dict[str, int]:  # fmt: skip
     """Run the processes until Ctrl-C or until all have ended; exit codes of those that did by themselves."""
-    from pack_bringup.ros.status_listener import StatusListener
-
     os.environ.update(environment)  # for the listener, which is in this process
     died: dict[str, int] = {}
     try:
         with log.open("w") as file:
             output: Any = Tee(sys.stdout, file)
             with ProcessGroup(commands, environment=environment, output=output) as group:
-                with StatusListener(int(environment["ROS_DOMAIN_ID"])) as listener:
+                with statuses as listener:
                     wait_until_ready(group, listener, names, log, typer.echo)
                 notice(next_step, typer.colors.GREEN)
                 try:
@@ -170,7 +178,7 @@ def _wait(group: ProcessGroup, with_restarts: bool) -> None:
         restarts.restart_dead()
 
 
-def _log_file(cell: str) -> Path:
+def _log_file(cell: str, namespace: str) -> Path:
     folder = bags_path() / "logs"
     make_output_folder(folder, advice="logs and recordings of running cells go there")
-    return folder / f"{cell}_{datetime.now():%Y%m%d_%H%M%S}.log"
+    return folder / f"{cell}{namespace.rstrip('/').replace('/', '_')}_{datetime.now():%Y%m%d_%H%M%S}.log"

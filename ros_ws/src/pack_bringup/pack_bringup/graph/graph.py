@@ -13,6 +13,7 @@ from pack_bringup.graph.executables import find_executable
 from pack_core.cells import cells_with, optional_cell_part
 from pack_core.config import Config, load_config, merged
 from pack_core.errors import ConfigError, PackError
+from pack_core.namespace import ROOT
 from pack_core.paths import config_path
 
 
@@ -34,11 +35,12 @@ class NodeEntry(Config):
         """The node's parameter file."""
         return config_path(*Path(self.parameters).parts)
 
-    def command(self, overrides: Mapping[str, str] | None = None) -> list[str]:
+    def command(self, overrides: Mapping[str, str] | None = None, namespace: str = ROOT) -> list[str]:
         """The argument list that starts this node as a process of its own.
 
         Args:
             overrides: parameters that go before the file's, by name, as YAML text.
+            namespace: of the node, as rcl writes it.
 
         Raises:
             PackError: the executable is not installed, or the parameter file does not exist.
@@ -47,7 +49,15 @@ class NodeEntry(Config):
             raise ConfigError(f"node '{self.name}': no parameter file {self.parameters_path}")
         parameters = {"use_sim_time": str(self.use_sim_time).lower(), **(overrides or {})}
         command = [str(find_executable(self.package, self.executable)), "--ros-args"]
-        command += ["-r", f"__node:={self.name}", "--params-file", str(self.parameters_path)]
+        command += ["-r", f"__node:={self.name}"]
+        if namespace == ROOT:
+            command += ["--params-file", str(self.parameters_path)]
+        else:  # what the file has is of the node of this name that is in no namespace
+            from pack_lockstep.node_parameters import parameters_of
+
+            given, _ = parameters_of(self.parameters.removeprefix("nodes/").removesuffix(".yaml"))
+            command += ["-r", f"__ns:={namespace}"]
+            parameters = {**flat_parameters(given), **parameters}
         for name, value in parameters.items():
             command += ["-p", f"{name}:={value}"]
         return command
@@ -71,15 +81,18 @@ class Graph(Config):
         self.check_names(wanted)
         return Graph(nodes=tuple(node for node in self.nodes if node.name in wanted))
 
-    def commands(self, overrides: Mapping[str, Mapping[str, str]] | None = None) -> dict[str, list[str]]:
+    def commands(
+        self, overrides: Mapping[str, Mapping[str, str]] | None = None, namespace: str = ROOT
+    ) -> dict[str, list[str]]:
         """The command of each node, by node name.
 
         Args:
             overrides: by node name, the parameters that go before the files', as YAML text.
+            namespace: of the nodes, as rcl writes it.
         """
         given = overrides or {}
         self.check_names(given)
-        return {node.name: node.command(given.get(node.name)) for node in self.nodes}
+        return {node.name: node.command(given.get(node.name), namespace) for node in self.nodes}
 
     def check_names(self, names: Iterable[str]) -> None:
         """Refuse names that are no nodes of the graph, with those that are, as a PackError."""

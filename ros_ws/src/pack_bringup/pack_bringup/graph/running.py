@@ -9,6 +9,7 @@ from collections.abc import Collection, Iterable, Mapping
 from pack_bringup.graph.graph import load_graph
 from pack_core.cells import CELLS
 from pack_core.errors import PackError
+from pack_core.namespace import ROOT
 from pack_core.network import LAST_DOMAIN, domain_in
 from pack_core.ros.watch.local_nodes import nodes_on_this_machine
 
@@ -45,8 +46,9 @@ def is_free(domain: int) -> bool:
 
 
 def check_domain_is_free(
-    domain: int, cell: str, nodes: Iterable[str], running: Mapping[int, Collection[str]] | None = None
-) -> None:
+    domain: int, cell: str, nodes: Iterable[str], running: Mapping[int, Collection[str]] | None = None,
+    *, namespace: str = ROOT,
+) -> None:  # fmt: skip
     """Refuse to start nodes among those of another cell, or among nodes of the same names.
 
     Nodes of the same cell with other names are allowed: a cell may be started in parts.
@@ -56,29 +58,53 @@ def check_domain_is_free(
         cell: theirs.
         nodes: their names.
         running: names of the nodes that run on this machine by domain; None: found now.
+        namespace: of the nodes that are to run, as rcl writes it.
 
     Raises:
         PackError: the domain is taken; the text names what runs there, and a domain that is free.
     """
     everywhere = nodes_on_this_machine() if running is None else running
-    here = all_cell_nodes() & set(everywhere.get(domain, ()))
+    here = _cells_in(everywhere.get(domain, ())).get(namespace, set())
     if here & set(nodes) or here - names_of(cell):
         raise PackError(
-            f"ROS domain {domain} is taken: {described(here)} there. End it (Ctrl-C where it was started), "
-            f"or use another domain: --domain {free_domain(everywhere)}, or ROS_DOMAIN_ID in the environment"
+            f"{place(domain, namespace)} is taken: {described(here)} there. End it (Ctrl-C where it was "
+            f"started), or use another domain: --domain {free_domain(everywhere)}, or ROS_DOMAIN_ID in the "
+            "environment; or a namespace of its own: --namespace NAME"
         )
 
 
-def nodes_here(cell: str, domain: int) -> set[str]:
-    """Names of a cell's nodes that run on this machine in a ROS domain."""
-    return names_of(cell).intersection(nodes_on_this_machine().get(domain, ()))
+def cell_nodes_here(domain: int, namespace: str = ROOT) -> set[str]:
+    """Names of nodes of any cell that run on this machine in a ROS domain and a namespace."""
+    return _cells_in(nodes_on_this_machine().get(domain, ())).get(namespace, set())
 
 
-def running_cells() -> dict[int, str]:
-    """What runs on this machine in words, by ROS domain."""
-    known = all_cell_nodes()
-    everywhere = {domain: known & names for domain, names in nodes_on_this_machine().items()}
-    return {domain: described(names) for domain, names in sorted(everywhere.items()) if names}
+def nodes_here(cell: str, domain: int, namespace: str = ROOT) -> set[str]:
+    """Names of a cell's nodes that run on this machine in a ROS domain and a namespace."""
+    return names_of(cell) & cell_nodes_here(domain, namespace)
+
+
+def running_cells() -> dict[tuple[int, str], str]:
+    """What runs on this machine in words, by ROS domain and namespace."""
+    return {
+        (domain, namespace): described(names)
+        for domain, everybody in sorted(nodes_on_this_machine().items())
+        for namespace, names in sorted(_cells_in(everybody).items())
+    }
+
+
+def place(domain: int, namespace: str) -> str:
+    """Where something runs, in words."""
+    return f"ROS domain {domain}" + ("" if namespace == ROOT else f", namespace {namespace}")
+
+
+def _cells_in(lifelines: Iterable[str]) -> dict[str, set[str]]:
+    """Those that are nodes of cells, by namespace, from their names on this machine, as in `left/sim`."""
+    known, found = all_cell_nodes(), dict[str, set[str]]()
+    for lifeline in lifelines:
+        folder, _, name = lifeline.rpartition("/")
+        if name in known:
+            found.setdefault(f"/{folder}", set()).add(name)
+    return found
 
 
 def cell_of(nodes: Collection[str]) -> str:

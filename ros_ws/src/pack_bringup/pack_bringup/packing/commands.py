@@ -12,12 +12,14 @@ from pack_bringup.cli.benchmark_run import RunOptions, run
 from pack_bringup.cli.options import (
     PORT,
     BenchmarkFolder,
+    CellAddress,
     Domain,
     FreeDomain,
     Fresh,
     Jobs,
     JsonFile,
     Live,
+    Namespace,
     Network,
     Port,
     Ray,
@@ -69,6 +71,7 @@ def goal(
     given: ListFile = None,
     reset: Reset = True,
     domain: Domain = None,
+    namespace: Namespace = "",
     network: Network = "",
 ) -> None:
     """Have a running cell pack one object, or fill its container from a list.
@@ -82,10 +85,11 @@ def goal(
     """
     from pack_bringup.packing.goals import PackingGoal, fill_goal
 
+    at = CellAddress(domain, namespace, network)
     if is_fill(fill, given, scene, method):
-        run_goal(fill_goal(seed, given), reset=reset, domain=domain, network=network)
+        run_goal(fill_goal(seed, given), at, reset=reset)
     check_scene(scene)
-    run_goal(PackingGoal(seed, scene, method.value), reset=reset, domain=domain, network=network)
+    run_goal(PackingGoal(seed, scene, method.value), at, reset=reset)
 
 
 def is_fill(fill: bool, given: Path | None, scene: Path | None, method: PackingMethod) -> bool:

@@ -17,6 +17,7 @@ from pack_bringup.cli.pursue import run_goal
 from pack_bringup.cli.terminal import notice, show_table
 
 if TYPE_CHECKING:
+    from pack_bringup.cli.options import CellAddress
     from pack_core.palletizing.calibration import CellCalibration
     from pack_core.rotations import Array
     from pack_evaluation.palletizing.calibration_film import CalibrationFilm
@@ -239,7 +240,7 @@ def _of(setup: PalletSetup, seed: int, folder: Path, *, fresh: bool) -> CellCali
 
 
 def send_calibration(
-    check: bool, output: Path | None, seed: int, *, reset: bool, domain: int | None, network: str
+    check: bool, output: Path | None, seed: int, at: CellAddress, *, reset: bool
 ) -> NoReturn:
     """Have a running cell calibrate itself, or test its calibration, and leave as `run_goal` does."""
     from pack_bringup.palletizing.goals import CellCalibrationGoal
@@ -250,4 +251,4 @@ def send_calibration(
         make_output_folder(folder)
     wanted = CellCalibrationGoal(check, seed)
     show = partial(show_action_result, folder=folder)
-    run_goal(wanted, reset=reset, domain=domain, network=network, show=show)
+    run_goal(wanted, at, reset=reset, show=show)

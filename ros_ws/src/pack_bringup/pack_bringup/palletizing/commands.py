@@ -12,12 +12,14 @@ from pack_bringup.cli.benchmark_run import RunOptions, run
 from pack_bringup.cli.options import (
     PORT,
     BenchmarkFolder,
+    CellAddress,
     Domain,
     FreeDomain,
     Fresh,
     Jobs,
     JsonFile,
     Live,
+    Namespace,
     Network,
     Port,
     Ray,
@@ -72,6 +74,7 @@ def goal(
     output: CalibrationFolder = None,
     reset: Reset = True,
     domain: Domain = None,
+    namespace: Namespace = "",
     network: Network = "",
 ) -> None:
     """Have a running cell build the pallet of one order, run a shift, or calibrate itself.
@@ -90,16 +93,15 @@ def goal(
     from pack_bringup.palletizing.goals import PalletizingGoal
 
     _refuse_beside(order, profile, calibrate=calibrate, check=check, shift=shift)
+    at = CellAddress(domain, namespace, network)
     if shift:
-        shift_command.send_shift(
-            boxes, output, seed, is_resumed=resume, reset=reset, domain=domain, network=network
-        )
+        shift_command.send_shift(boxes, output, seed, at, is_resumed=resume, reset=reset)
     if resume:
         raise ConfigError("--resume without --shift; allowed: both, as an order is built anew")
     if calibrate or check:
-        calibration.send_calibration(check, output, seed, reset=reset, domain=domain, network=network)
+        calibration.send_calibration(check, output, seed, at, reset=reset)
     wanted = PalletizingGoal(checked_order(order, profile), seed, profile)
-    run_goal(wanted, reset=reset, domain=domain, network=network)
+    run_goal(wanted, at, reset=reset)
 
 
 def _refuse_beside(order: Path | None, profile: str, *, calibrate: bool, check: bool, shift: bool) -> None:

@@ -15,6 +15,7 @@ from pack_bringup.cli.pursue import run_goal
 from pack_core.errors import ConfigError
 
 if TYPE_CHECKING:
+    from pack_bringup.cli.options import CellAddress
     from pack_bringup.palletizing.goals import ShiftGoal
     from pack_bringup.viewers import PageProcess
     from pack_core.palletizing.shift_journal import ShiftEvent
@@ -255,19 +256,17 @@ def shift_goal(boxes: int, seed: int, *, is_resumed: bool, output: Path | None =
 
 
 def send_shift(
-    boxes: int, output: Path | None, seed: int, *, is_resumed: bool, reset: bool, domain: int | None,
-    network: str,
-) -> NoReturn:  # fmt: skip
+    boxes: int, output: Path | None, seed: int, at: CellAddress, *, is_resumed: bool, reset: bool
+) -> NoReturn:
     """Have a running cell run a shift, or go on with one, and leave as `run_goal` does.
 
     Args:
         boxes: it ends when so many have come.
         output: folder of the journal; None: a new one, or that of the newest shift where it goes on.
         seed: of what comes on a simulated conveyor.
+        at: the cell.
         is_resumed: whether a shift is gone on with; boxes and seed are those of it.
         reset: whether the simulated cell is put into the state that the journal has, or emptied.
-        domain: ROS domain id; None: the environment's.
-        network: the network of a cell on several machines; empty: this machine.
     """
     from pack_core.palletizing.shift_journal import JOURNAL
 
@@ -278,7 +277,7 @@ def send_shift(
         if (folder / JOURNAL).is_file():  # a goal that was refused has none
             write_report(folder, {})
 
-    run_goal(wanted, reset=reset, domain=domain, network=network, show=show)
+    run_goal(wanted, at, reset=reset, show=show)
 
 
 def _line(event: ShiftEvent) -> str:

@@ -30,6 +30,7 @@ from pack_core.cells import optional_cell_part
 from pack_core.config import Config
 from pack_core.errors import BagError, MessageError, PackError
 from pack_core.motion.topics import JOINT_STATES
+from pack_core.namespace import ROOT
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.contracts.table import nodes_of, recorded
@@ -64,14 +65,18 @@ class RecorderConfig(Config):
         return recorded(self.cell, with_pictures=self.pictures)
 
 
-def begin_recording(config: RecorderConfig) -> tuple[Path, Recorder]:
+def begin_recording(config: RecorderConfig, namespace: str = ROOT) -> tuple[Path, Recorder]:
     """The run's folder with its description, and the bag in it, open.
+
+    Args:
+        config: what is recorded, and where.
+        namespace: of the cell, which a folder that is not given is named after, too.
 
     Raises:
         BagError: it cannot be made or written.
     """
-    now = datetime.now()
-    folder = Path(config.path) if config.path else default_folder(config.cell, config.seed, now)
+    now, name = datetime.now(), config.cell + "_".join(namespace.rstrip("/").split("/"))
+    folder = Path(config.path) if config.path else default_folder(name, config.seed, now)
     recorder = Recorder(
         folder / BAG_FOLDER, map(to_bag_topic, config.topics), message_types(),
         split_size=config.split_mb * 1e6, limit=config.limit_gb * 1e9,
@@ -121,7 +126,7 @@ class RecorderNode(CellNode):
             self.get_logger().info("recording nothing (record: never)")
             return
         try:
-            self.folder, self.recorder = begin_recording(config)
+            self.folder, self.recorder = begin_recording(config, self.get_namespace())
         except BagError as error:
             if config.required:
                 raise

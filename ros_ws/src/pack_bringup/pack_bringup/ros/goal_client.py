@@ -86,7 +86,7 @@ class GoalClient(CellNode):
         found = {}
         for peer in self._peers:
             status = self._statuses.get(peer)
-            if status is None or not self.count_publishers(alive_topic(peer)):
+            if status is None or not self.count_publishers(self.in_cell(alive_topic(peer))):
                 found[peer] = "not up"
             elif status.state in (NodeStatus.STARTING, NodeStatus.WAITING):
                 found[peer] = status.waits_for or "starting"

@@ -16,6 +16,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from pack_bringup.ros.deferred_signals import deferred_signals
+from pack_core.namespace import ROOT, below
 from pack_core.ros.contracts import shared
 from pack_core.ros.node_status import LISTENING
 from pack_core.ros.run import confirm_network, start_ros
@@ -33,14 +34,15 @@ class StatusListener:
 
     Args:
         domain: ROS domain id.
+        namespace: of the cell, as rcl writes it.
 
     Attributes:
         statuses: the newest status of each node, by name.
         health: the newest diagnostics of each node, by name.
     """
 
-    def __init__(self, domain: int) -> None:
-        self._domain = domain
+    def __init__(self, domain: int, namespace: str = ROOT) -> None:
+        self._domain, self._namespace = domain, namespace
         self.statuses: dict[str, NodeStatus] = {}
         self.health: dict[str, DiagnosticStatus] = {}
 
@@ -53,9 +55,11 @@ class StatusListener:
         confirm_network()
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
-        self._node.create_subscription(NodeStatus, shared.NODE_STATUS.name, self._on_status, LISTENING)
-        diagnostics = shared.DIAGNOSTICS
-        self._node.create_subscription(DiagnosticArray, diagnostics.name, self._on_health, diagnostics.qos)
+        statuses, diagnostics = (
+            below(self._namespace, contract.name) for contract in (shared.NODE_STATUS, shared.DIAGNOSTICS)
+        )
+        self._node.create_subscription(NodeStatus, statuses, self._on_status, LISTENING)
+        self._node.create_subscription(DiagnosticArray, diagnostics, self._on_health, shared.DIAGNOSTICS.qos)
         return self
 
     def __exit__(

@@ -68,7 +68,7 @@ class GoalNode(CellNode, ABC):
         self._fault_time = fault_time
         self._actions = [
             ActionServer(
-                self, action.type, action.name, partial(self._execute, action.type.Result),
+                self, action.type, self.in_cell(action.name), partial(self._execute, action.type.Result),
                 goal_callback=self._on_goal, cancel_callback=lambda _: CancelResponse.ACCEPT,
             )
             for action in (contract, *others)

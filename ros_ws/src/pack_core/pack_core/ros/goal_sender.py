@@ -52,7 +52,7 @@ class GoalSender:
         self._node, self._on_feedback, self._on_change = node, on_feedback, on_change
         self._is_ready = is_ready
         self._name = action.name
-        self._action = ActionClient(node, action.type, action.name)
+        self._action = ActionClient(node, action.type, node.in_cell(action.name))
         self._reset = node.create_client(reset.type, reset.name) if reset else None
         self._timer: Any = None
         self._handle: Any = None

@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 from diagnostic_msgs.msg import DiagnosticArray
 from pydantic import BaseModel
 from rcl_interfaces.msg import SetParametersResult
+from rclpy.client import Client
 from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import InvalidHandle
 from rclpy.node import Node
@@ -25,6 +26,7 @@ from rclpy.time_source import TimeSource
 from rclpy.timer import Timer
 
 from pack_core.errors import ConfigError, PackError
+from pack_core.namespace import below
 from pack_core.ros.clock import SimulatedTime, TakenByHand
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract, events_of
@@ -42,6 +44,8 @@ ASSERTION_PERIOD = 0.05
 """How often a node says that it is alive [s of wall clock]: ten times within the lease, as some come late."""
 READINESS_PERIOD = 0.1
 """How often a node that has just started looks whether it is ready [s of wall clock]."""
+OUTSIDE_CELLS = ("/parameter_events",)
+"""Topics of the middleware that every node of a domain shares, whatever its namespace: they name the node."""
 BEATS_BETWEEN_LOOKS = 4
 """Signs of life from one look for a second simulator to the next: five looks a second."""
 
@@ -75,15 +79,9 @@ class CellNode(Node):
         self.health = Health(name)
         self.failures = Failures(self.health, self.get_logger)
         super().__init__(name, **kwargs)
-        if (namespace := self.get_namespace()) != "/":
-            raise ConfigError(
-                f"node '{name}' was put into the namespace {namespace}; allowed: none, as topics, services "
-                "and lifelines have absolute names, which two cells of one domain would share; give each "
-                "cell a ROS domain of its own (--domain, ROS_DOMAIN_ID)"
-            )
         self.wall = Clock(clock_type=ClockType.STEADY_TIME)
         if not self.may_be_repeated:
-            check_name_is_free(self.context.get_domain_id(), self.get_name())
+            check_name_is_free(self.context.get_domain_id(), self.lifeline(self.get_name()))
         self._diagnostics = self.advertise(shared.DIAGNOSTICS)
         self._status_publisher = NodeStatusPublisher(self)
         self._silences = SilenceLog(self.get_logger())
@@ -152,6 +150,26 @@ class CellNode(Node):
 
     # Endpoints from the wiring table, whose callbacks may raise without ending the node
 
+    def in_cell(self, name: str) -> str:
+        """A name of the wiring table, or of another node of the cell, below the namespace of this one.
+
+        The table's names begin with a slash, as recordings have them; a cell in a namespace has all of them
+        there, `/tf` and `/clock` included, so that two cells of one domain share nothing.
+        """
+        return name if name in OUTSIDE_CELLS else below(self.get_namespace(), name)
+
+    def lifeline(self, name: str) -> str:
+        """By which name a node of this cell is known on this machine."""
+        return self.in_cell(f"/{name}").removeprefix("/")
+
+    def create_publisher(self, msg_type: Any, topic: str, *args: Any, **kwargs: Any) -> Publisher:
+        """As of every node, for a topic of the wiring table."""
+        return super().create_publisher(msg_type, self.in_cell(topic), *args, **kwargs)
+
+    def create_client(self, srv_type: Any, srv_name: str, **kwargs: Any) -> Client:
+        """As of every node, for a service of the wiring table."""
+        return super().create_client(srv_type, self.in_cell(srv_name), **kwargs)
+
     def advertise(self, contract: Contract) -> Publisher:
         """A publisher of the contract's topic."""
         return self.create_publisher(contract.type, contract.name, contract.qos)
@@ -189,7 +207,8 @@ class CellNode(Node):
 
     def create_service(self, srv_type: Any, name: str, serve: Callable[..., Any], **kwargs: Any) -> Service:
         """As of every node, but a request that fails is answered, with the reason, and does not end it."""
-        return super().create_service(srv_type, name, partial(self._serve_guarded, name, serve), **kwargs)
+        guarded = partial(self._serve_guarded, name, serve)
+        return super().create_service(srv_type, self.in_cell(name), guarded, **kwargs)
 
     def fail(self, where: str, error: Exception) -> None:
         """Count and name an error that nobody foresaw, raised in `where`; any thread may call it."""
@@ -236,7 +255,7 @@ class CellNode(Node):
         is_clock = isinstance(getattr(callback, "__self__", None), TimeSource)
         if is_clock:
             kwargs["callback_group"] = TakenByHand()
-        subscription = super().create_subscription(msg_type, topic, callback, *args, **kwargs)
+        subscription = super().create_subscription(msg_type, self.in_cell(topic), callback, *args, **kwargs)
         if is_clock:
             self._simulated_time = SimulatedTime(subscription, self._note_tick)
             self._sole_clock = SolePublisher(self, subscription.topic_name, self._on_clocks)
@@ -306,7 +325,7 @@ class CellNode(Node):
         self._birth.cancel()
         if said := unknown_parameters(self):
             raise ConfigError(f"node '{self.get_name()}' has no parameter {', and none '.join(said)}")
-        self._watch_socket = WatchSocket(self.context.get_domain_id(), self.get_name())
+        self._watch_socket = WatchSocket(self.context.get_domain_id(), self.lifeline(self.get_name()))
         sign = SignOfLife(self, self.get_name())
         self._heart = threading.Thread(target=self._beat, args=(sign,), name="alive", daemon=True)
         self._heart.start()

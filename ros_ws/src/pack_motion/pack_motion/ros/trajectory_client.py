@@ -55,7 +55,7 @@ class TrajectoryClient:
             for name, value in zip(names, tolerance, strict=True)
         ]
         self._on_rejection, self._on_abort = on_rejection, on_abort
-        self._client = ActionClient(node, FollowJointTrajectory, action)
+        self._client = ActionClient(node, FollowJointTrajectory, node.in_cell(action))
         self._cancel = node.create_client(CancelGoal, f"{action}/_action/cancel_goal")
         state = action.removesuffix(ACTION) + "/controller_state"
         self._state = Stream(node, replace(contracts.CONTROLLER_STATE, name=state))

@@ -115,7 +115,7 @@ class ParameterSliders:
         _then(self._client.set_parameters([Parameter(name, value=value)]), judge)
 
     def _on_event(self, event: ParameterEvent) -> None:
-        if event.node != f"/{self._wanted.node}":
+        if event.node != self._node.in_cell(f"/{self._wanted.node}"):
             return
         for parameter in (*event.new_parameters, *event.changed_parameters):
             short = parameter.name.removeprefix(f"{self._wanted.prefix}.")

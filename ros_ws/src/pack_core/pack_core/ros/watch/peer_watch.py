@@ -18,6 +18,7 @@ from rclpy.node import Node
 from rclpy.qos import LivelinessPolicy, QoSProfile
 from std_msgs.msg import Empty
 
+from pack_core.namespace import below
 from pack_core.ros.watch.watch_connection import WatchConnection
 
 LEASE = Duration(seconds=0.5)
@@ -86,6 +87,7 @@ class PeerWatch:
     ) -> None:
         self.peer = peer
         self._node, self._on_change, self._on_end = node, on_change, on_end
+        self._lifeline = below(node.get_namespace(), f"/{peer}").removeprefix("/")
         self._is_alive: bool | None = None
         self._silent_since_ns = 0
         self._lock = threading.Lock()
@@ -137,7 +139,7 @@ class PeerWatch:
         """Connect to the peer as soon as it has come, or come back, and tell when it has ended."""
         domain = self._node.context.get_domain_id()
         while not self._ended.is_set():
-            self._connection = connection = WatchConnection(domain, self.peer)
+            self._connection = connection = WatchConnection(domain, self._lifeline)
             # One that is being cleared away still has its socket, and answers no more.
             if connection.wait_for_answer() and not self._ended.is_set():
                 self._change(True)
