@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pack_core.palletizing.cell import PALLET, REJECT_TABLE, REORIENTATION_TABLE
+from pack_core.palletizing.cell import PALLET, REJECT_TABLE, REORIENTATION_TABLE, SECOND_PALLET
 from pack_core.palletizing.ports import AskPlace, Command, PursueTarget
 from pack_core.palletizing.shift_journal import EventKind
 from pack_planner.layout.online_packer import PackerConfig
@@ -66,17 +66,18 @@ def test_a_box_that_stands_upright_is_left_to_a_person() -> None:
 
 
 def test_a_full_pallet_is_replaced_while_the_other_one_is_built() -> None:
-    # Two pallets hold eight and two more are set aside: the eleventh closes a pallet.
-    shift = run_shift([Came("large")] * 12, [LARGE], LOW)
-    (taken,) = shift.of(EventKind.TAKEN)
-    assert len(taken.data["boxes"]) == 4
-    assert shift.job.reason == "all 12 boxes came"
-    aside = [event for event in shift.of(EventKind.PUT_DOWN) if event.place == REORIENTATION_TABLE]
-    assert [event.box for event in aside] == ["b9", "b10"]
-    # The boxes set aside go first to the new pallet.
-    after = [event.box for event in shift.of(EventKind.PUT_DOWN) if event.time > taken.time]
-    assert after == ["b9", "b10", "b11", "b12"]
-    assert set(shift.cell.boxes) == {f"b{n}" for n in range(1, 13)} - set(taken.data["boxes"])
+    # A pallet holds four: the fifth box, and then the ninth, is the first without a place on a full one.
+    shift = run_shift([Came("large")] * 11, [LARGE], LOW)
+    taken = [(event.place, event.data["boxes"]) for event in shift.of(EventKind.TAKEN)]
+    assert taken == [(PALLET, ["b1", "b2", "b3", "b4"]), (SECOND_PALLET, ["b5", "b6", "b7", "b8"])]
+    assert shift.job.reason == "all 11 boxes came"
+    first = shift.of(EventKind.TAKEN)[0].time
+    after = [(event.box, event.place) for event in shift.of(EventKind.PUT_DOWN) if event.time > first]
+    on_the_other = [(f"b{n}", SECOND_PALLET) for n in (5, 6, 7, 8)]
+    # Where the other one is full, too, before the empty one is there, two are set aside, and go there first.
+    aside = [(box, REORIENTATION_TABLE) for box in ("b9", "b10")]
+    assert after == [*on_the_other, *aside, *((box, PALLET) for box in ("b9", "b10", "b11"))]
+    assert set(shift.cell.boxes) == {"b9", "b10", "b11"}
 
 
 def test_a_box_that_cannot_be_gripped_is_skipped_and_the_next_one_comes() -> None:

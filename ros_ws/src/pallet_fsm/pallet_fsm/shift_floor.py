@@ -83,7 +83,9 @@ class ShiftFloor:
             for work in self.boxes_of(place)
             if work.outcome in (BoxOutcome.PLACED, BoxOutcome.PENDING)
         )
-        return StandingPallet(place, boxes)
+        decks = [work.deck for work in self.work if work.deck in self._cell.pallets]
+        missed = decks[::-1].index(place) if place in decks else 0
+        return StandingPallet(place, boxes, missed)
 
     def place(self, answer: PlaceAnswer, arrival: Arrival) -> WorkItem:
         """Have a box brought to its place on a pallet: the one that came, or one that was set aside."""

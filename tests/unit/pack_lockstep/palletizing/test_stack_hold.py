@@ -56,6 +56,16 @@ def test_a_flat_box_holds_less_than_friction_and_slides_at_more() -> None:
     assert hold_shift_mm(CELL, flat, 1.5 * friction) > 10.0
 
 
+def test_boxes_that_overhang_each_other_do_not_walk_by_themselves() -> None:
+    stack = [
+        box("low", (0.413, 0.21, 0.0), (0.39, 0.59, 0.22), 7.65),
+        box("middle", (0.331, 0.53, 0.22), (0.54, 0.27, 0.26), 10.69),
+        box("top", (0.258, 0.49, 0.48), (0.55, 0.31, 0.22), 7.9),
+    ]
+    # They settle by 0.2 mm; contacts without resistance to rolling let them rock and walk by 0.9 mm.
+    assert hold_shift_mm(CELL, on_the_pallet(stack), acceleration=0.0) < 0.3
+
+
 def test_a_slender_box_falls_though_it_does_not_slide() -> None:
     assert hold_shift_mm(CELL, on_the_pallet([box("a", (0.55, 0.35, 0.0), (0.1, 0.1, 0.9))]), 0.3) > 100.0
 

@@ -89,6 +89,36 @@ def test_the_fuller_of_two_pallets_is_closed() -> None:
     assert sum(len(pallet.boxes) for pallet in floor.pallets) == 2
 
 
+def test_a_box_goes_to_the_fullest_pallet_that_has_a_place() -> None:
+    floor, _ = run([item("large", (0.7, 0.7, 0.1)), item("a"), item("b")], packer=PackerConfig(highest=0.2))
+    assert [len(pallet.boxes) for pallet in floor.pallets] == [3, 0]
+
+
+def test_the_fullest_pallet_is_closed_while_others_have_places_once_boxes_in_a_row_miss_it() -> None:
+    low = PackerConfig(highest=0.2)
+    large, two = item("large", (0.7, 0.7, 0.15)), [item(f"b{k}", (0.55, 0.55, 0.1)) for k in range(2)]
+    _, made = run([large, *two], packer=low, misses=2, enough=1.0)
+    steps = [(decision.step, decision.pallet) for decision in made]
+    assert steps == [(NextStep.PLACE, 0), (NextStep.PLACE, 1), (NextStep.CLOSE, 0), (NextStep.PLACE, 1)]
+    assert made[2].reason == "2 boxes in a row have no place on it"
+    # A box that finds a place there begins the count anew.
+    small = item("small", (0.3, 0.3, 0.1))
+    _, made = run([large, two[0], small, two[1]], packer=low, misses=2, enough=1.0)
+    assert [decision.pallet for decision in made] == [0, 1, 0, 1]
+
+
+@pytest.mark.parametrize(("enough", "steps"), [
+    (0.38, [NextStep.PLACE, NextStep.CLOSE, NextStep.PLACE]), (0.39, [NextStep.PLACE, NextStep.PLACE]),
+])  # fmt: skip
+def test_a_pallet_that_is_full_enough_is_closed_at_the_first_box_that_it_has_no_place_for(
+    enough: float, steps: list[NextStep]
+) -> None:
+    # The first one takes up 0.7 x 0.7 x 0.15 of 1.2 x 0.8 x 0.2 m.
+    boxes = [item("large", (0.7, 0.7, 0.15)), item("b", (0.55, 0.55, 0.1))]
+    _, made = run(boxes, packer=PackerConfig(highest=0.2), enough=enough)
+    assert [decision.step for decision in made] == steps
+
+
 def test_with_a_preview_the_box_with_the_better_place_is_taken_first() -> None:
     tall, flat = item("tall", (0.3, 0.3, 0.5)), item("flat", (0.6, 0.4, 0.1))
     decision = planner([tall, flat], preview=2).decide(Floor.empty(1), [tall, flat])

@@ -14,6 +14,7 @@ from pack_planner.layout.place_answers import PlaceAnswers
 CELL = palletizing_cell("shift")
 EMPTY = (StandingPallet(PALLET), StandingPallet(SECOND_PALLET))
 COVERED = PlacedBox("all", np.zeros(3), np.array([1.2, 0.8, 0.95]), 30.0)
+TALL = PlacedBox("tall", np.array([0.3, 0.2, 0.0]), np.array([0.6, 0.4, 0.95]), 30.0)
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +38,7 @@ def test_a_box_gets_a_place_on_an_open_pallet_and_a_way_in(answers) -> None:
 
 
 def test_what_stands_decides_on_which_pallet(answers) -> None:
-    pallets = (StandingPallet(PALLET, (COVERED,)), StandingPallet(SECOND_PALLET))
+    pallets = (StandingPallet(PALLET, (TALL,)), StandingPallet(SECOND_PALLET))
     assert answers.answer(question(pallets, known=(item("a"),))).pallet == SECOND_PALLET
 
 
@@ -50,6 +51,14 @@ def test_a_box_that_was_set_aside_comes_first(answers) -> None:
 def test_where_nothing_fits_it_is_set_aside_while_there_is_room(answers, room: int, step) -> None:
     full = tuple(StandingPallet(place, (COVERED,)) for place in CELL.pallets)
     assert answers.answer(question(full, known=(item("a"),), room=room)).step is step
+
+
+@pytest.mark.parametrize(("missed", "step"), [(4, NextStep.PLACE), (5, NextStep.CLOSE)])
+def test_a_pallet_that_several_boxes_missed_is_closed(answers, missed: int, step) -> None:
+    pallets = (StandingPallet(PALLET, (TALL,), missed), StandingPallet(SECOND_PALLET))
+    answer = answers.answer(question(pallets, known=(item("a"),)))
+    assert answer.step is step
+    assert answer.pallet == (SECOND_PALLET if step is NextStep.PLACE else PALLET)
 
 
 def test_a_box_that_the_gripper_cannot_hold_is_rejected(answers) -> None:

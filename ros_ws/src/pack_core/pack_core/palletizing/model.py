@@ -66,12 +66,16 @@ def build_model(
 
 
 def add_box(spec: mujoco.MjSpec, box: BoxBody) -> None:
-    """Add a free box and the weld that holds it to the tool once it is gripped."""
+    """Add a free box and the weld that holds it to the tool once it is gripped.
+
+    Its contacts resist rolling (`condim` 6), if little: without that boxes on each other may rock without
+    end, and walk by a millimetre a second.
+    """
     body = spec.worldbody.add_body(name=box.name)
     body.add_freejoint(name=box.name)
     body.add_geom(
         name=box.name, type=mujoco.mjtGeom.mjGEOM_BOX, size=box.half_extents, mass=box.mass,
-        contype=1, conaffinity=1 | ARM_BITS, condim=3, rgba=(0.72, 0.55, 0.36, 1.0),
+        contype=1, conaffinity=1 | ARM_BITS, condim=6, rgba=(0.72, 0.55, 0.36, 1.0),
     )  # fmt: skip
     spec.add_equality(
         name=box.name, type=mujoco.mjtEq.mjEQ_WELD, objtype=mujoco.mjtObj.mjOBJ_BODY, name1=TOOL,

@@ -40,9 +40,7 @@ class PlaceAnswers:
         room = len(question.buffered) + question.room
         config = self._config.model_copy(update={"buffer": room, "pallets": max(1, len(question.pallets))})
         planner = OnlinePlanner(self._cell.pallet.size, turns, config, self._is_reached)
-        floor = Floor(
-            tuple(OpenPallet.of(pallet.boxes, pallet.place) for pallet in question.pallets), question.buffered
-        )
+        floor = Floor(tuple(OpenPallet.of(pallet) for pallet in question.pallets), question.buffered)
         return self._worded(question.number, floor, planner.decide(floor, question.known))
 
     def _worded(self, number: int, floor: Floor, decision: Decision) -> PlaceAnswer:

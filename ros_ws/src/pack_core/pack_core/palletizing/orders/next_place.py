@@ -26,10 +26,12 @@ class StandingPallet:
     Attributes:
         place: name of its place.
         boxes: what stands on it, in the pallet's frame, in the sequence of placing.
+        missed: boxes that were placed on other pallets since the last one was placed on it.
     """
 
     place: str
     boxes: tuple[PlacedBox, ...] = ()
+    missed: int = 0
 
 
 @dataclass(frozen=True)

@@ -273,7 +273,9 @@ def to_question(question: PlaceQuestion) -> PlanPlace.Request:
     """A request that asks where boxes go."""
     return PlanPlace.Request(
         pallets=[
-            StandingPalletMsg(place=pallet.place, boxes=[_to_standing(box) for box in pallet.boxes])
+            StandingPalletMsg(
+                place=pallet.place, boxes=[_to_standing(box) for box in pallet.boxes], missed=pallet.missed
+            )
             for pallet in question.pallets
         ],
         buffered=[_to_item(item) for item in question.buffered],
@@ -296,7 +298,7 @@ def from_question(request: PlanPlace.Request, number: int, places: Collection[st
     if unknown := [pallet.place for pallet in request.pallets if pallet.place not in places]:
         raise MessageError(f"place is '{unknown[0]}'; allowed: {', '.join(places)}")
     pallets = (
-        StandingPallet(pallet.place, tuple(_from_standing(box) for box in pallet.boxes))
+        StandingPallet(pallet.place, tuple(_from_standing(box) for box in pallet.boxes), pallet.missed)
         for pallet in request.pallets
     )
     buffered, known = (
