@@ -4,12 +4,20 @@ import numpy as np
 import pytest
 
 from pack_core.palletizing.cell import PALLET, REJECT_TABLE, REORIENTATION_TABLE, SECOND_PALLET
+from pack_core.palletizing.orders.item_list import Item
+from pack_core.palletizing.orders.layout_plan import PlannedBox
+from pack_core.palletizing.orders.next_place import NextStep, PlaceAnswer
 from pack_core.palletizing.ports import AskPlace, Command, PursueTarget
 from pack_core.palletizing.shift_journal import EventKind
-from pack_planner.layout.online_packer import PackerConfig
+from pack_core.rotations import Pose
+from pack_planner.layout.online_packer import PackerConfig, placed_item
 from pack_planner.layout.online_planner import OnlineConfig
+from pallet_fsm.intake import Arrival
 from pallet_fsm.palletizer_config import FeederConfig
+from pallet_fsm.report import BoxOutcome
+from pallet_fsm.shift_floor import STRAIGHT_DOWN, ShiftFloor
 from unit.pallet_fsm import fake_shift
+from unit.pallet_fsm.fake_motion import REFUSED, segments
 from unit.pallet_fsm.fake_shift import CELL, Came, FakeShiftCell, listed, run_shift
 from unit.pallet_fsm.faults import Faults
 
@@ -85,6 +93,74 @@ def test_a_box_that_cannot_be_gripped_is_skipped_and_the_next_one_comes() -> Non
     (skipped,) = shift.of(EventKind.SKIPPED)
     assert skipped.box == "b1"
     assert [event.box for event in shift.of(EventKind.PUT_DOWN)] == ["b2"]
+
+
+def is_over(deck: str, p_W: np.ndarray) -> bool:
+    p_D, half = CELL.deck(deck).X_WD.inverse().apply(p_W), 0.5 * np.array(CELL.deck(deck).size)
+    return bool(np.all(np.abs(p_D[:2] - half) < half))
+
+
+@pytest.fixture
+def without_a_way(monkeypatch: pytest.MonkeyPatch) -> set[str]:
+    """Names of the decks to which no way is found with a box in the hand; may be added to."""
+    decks, apply = set[str](), FakeShiftCell.apply
+
+    def refusing(cell: FakeShiftCell, command: Command) -> None:
+        if isinstance(command, PursueTarget) and cell.grip.held:
+            p_WT = segments(command.target)[-1][1].p
+            cell.faults.refused = int(any(is_over(deck, p_WT) for deck in decks))
+        apply(cell, command)
+
+    monkeypatch.setattr(FakeShiftCell, "apply", refusing)
+    return decks
+
+
+@pytest.mark.parametrize(
+    ("refused", "places"),
+    [
+        ((PALLET,), [("b1", SECOND_PALLET), ("b2", SECOND_PALLET)]),
+        (  # the second time a box that was set aside is rejected
+            (PALLET, SECOND_PALLET),
+            [("b1", REORIENTATION_TABLE), ("b1", REJECT_TABLE), ("b2", REORIENTATION_TABLE)],
+        ),
+        ((PALLET, SECOND_PALLET, REORIENTATION_TABLE), [("b1", REJECT_TABLE), ("b2", REJECT_TABLE)]),
+    ],
+)
+def test_a_box_in_the_hand_to_whose_place_there_is_no_way_gets_another_one(
+    refused, places, without_a_way
+) -> None:
+    without_a_way.update(refused)
+    shift = run_shift([Came("tea")] * 2, [TEA])
+    assert [(event.box, event.place) for event in shift.of(EventKind.PUT_DOWN)] == places
+    assert shift.job.reason == "all 2 boxes came"
+
+
+def test_a_box_in_the_hand_to_which_no_way_leads_anywhere_stops_the_arm(without_a_way) -> None:
+    without_a_way.update((PALLET, SECOND_PALLET, REORIENTATION_TABLE, REJECT_TABLE))
+    shift = run_shift([Came("tea")], [TEA])
+    assert shift.job.reason == "; ".join([REFUSED] * shift.job.reason.count(REFUSED))
+    assert shift.cell.has_stopped
+
+
+def test_what_was_to_stand_on_a_box_that_goes_elsewhere_is_decided_on_anew() -> None:
+    floor = ShiftFloor(CELL)
+    items = [TEA.model_copy(update={"id": name}) for name in ("b1", "b2")]
+    arrival = Arrival("b1", items[0], "", np.array(TEA.size), None)
+
+    def planned(item: Item, z: float) -> PlannedBox:
+        return PlannedBox(placed_item(item, np.array([0.0, 0.0, z]), np.array(item.size)), STRAIGHT_DOWN)
+
+    aside = floor.set_aside(items[1])
+    aside.X_WB = Pose(np.array([-2.1, -0.5, 0.8]))
+    aside.finish(BoxOutcome.PLACED)
+    below = floor.place(PlaceAnswer(1, NextStep.PLACE, "", "b1", PALLET, planned(items[0], 0.0)), arrival)
+    above = floor.place(PlaceAnswer(2, NextStep.PLACE, "", "b2", PALLET, planned(items[1], 0.2)), arrival)
+    assert floor.buffered == ()
+    floor.put_elsewhere(below, planned(items[0], 0.0), SECOND_PALLET)
+    assert (below.deck, above.outcome) == (SECOND_PALLET, BoxOutcome.SKIPPED)
+    floor.decide_anew(above)
+    assert floor.buffered == (items[1],)
+    assert floor.boxes_of(REORIENTATION_TABLE)[0].X_WB is aside.X_WB
 
 
 def test_a_shift_for_which_nothing_comes_ends() -> None:

@@ -38,6 +38,7 @@ class WorkItem:
         outcome: what became of the box.
         reason: why it was skipped or lost; empty otherwise.
         tries: number of faults of each kind so far.
+        refused: the decks on which it had a place to which there was no way.
     """
 
     box: OrderBox
@@ -53,6 +54,7 @@ class WorkItem:
     outcome: BoxOutcome = BoxOutcome.PENDING
     reason: str = ""
     tries: Counter[State] = field(default_factory=Counter)
+    refused: set[str] = field(default_factory=set)
     _carried: CarriedBox | None = field(default=None, init=False)
 
     @property
@@ -111,18 +113,22 @@ class OrderBook:
         name: of the order or shift.
         items: the boxes, those that stand already before those that are to be placed.
         cell: the cell's physical facts.
+        finds_places: whether another place is found for a box in the hand to whose place there is no way.
 
     Attributes:
         current: the box in work.
         others: what else stands in the cell, and is not to be placed yet.
         is_next_coming: whether the next box is about to be found: it is worth while to wait for it.
+        is_placing_anew: whether another place for the box in the hand is looked for.
     """
 
-    def __init__(self, name: str, items: Sequence[WorkItem], cell: PalletizingCell) -> None:
-        self._cell, self.name, self.items = cell, name, list(items)
+    def __init__(
+        self, name: str, items: Sequence[WorkItem], cell: PalletizingCell, *, finds_places: bool = False
+    ) -> None:
+        self._cell, self.name, self.items, self.finds_places = cell, name, list(items), finds_places
         self._furniture = cell.furniture
         self.others: tuple[Obstacle, ...] = ()
-        self.is_next_coming = False
+        self.is_next_coming = self.is_placing_anew = False
         self.current = next((item for item in self.items if not item.is_finished), self.items[-1])
 
     @classmethod

@@ -9,6 +9,7 @@ from pack_core.motion.target import MotionState, MotionStatus
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.grip import ASKED, GripState
 from pack_core.palletizing.orders.handling import Handling
+from pack_core.palletizing.orders.layout_plan import PlannedBox
 from pack_core.palletizing.ports import (
     CloseGripper,
     Command,
@@ -101,6 +102,7 @@ class Palletizer:
         self.machine = Machine(time, self._holds, self.item.name)
         self._legs = LegRunner(self._profile, self._book, cell, config, self._stop_after)
         self._commands: list[Command] = []
+        self._refused: PlannedBox | None = None
         self._halt = ""
 
     @property
@@ -143,6 +145,8 @@ class Palletizer:
         state = self.machine.state
         if state in (State.BOX_CHANGED, State.WRONG_WEIGHT) and not _is_standing(seen.motion):
             return None  # it goes back from where it comes to rest
+        if self._book.is_placing_anew and not self._halt:
+            return None
         if state in FAULTS:
             return Event.ASSESSED, ""
         if state is State.SKIP_BOX:
@@ -241,6 +245,8 @@ class Palletizer:
         may_have_moved = before in ROWS and ROWS[before].place is Place.TABLE_A  # the pad pushed it
         if fault in (State.NO_DETECTION, State.WRONG_SIZE) or may_have_moved:
             self._watch.forget()
+        if fault is State.NOT_CLEAR and before in CARRYING and self._book.finds_places:
+            self._refused, self._book.is_placing_anew = self.item.plan, True
         if fault is State.PLACE_CHANGED:
             self._places.note_loss()
         if fault in (State.MOTION_STUCK, State.BOX_CHANGED, State.WRONG_WEIGHT):
@@ -279,6 +285,7 @@ class Palletizer:
             Guard.IS_FINISHED: item.is_finished,
             Guard.IS_ON_TABLE: item.approach is not None,
             Guard.IS_FROM_TABLE_A: item.X_WG is not None,
+            Guard.HAS_OTHER_PLACE: self._refused is not None and item.plan is not self._refused,
             Guard.IS_UNSEEN: item.X_WB is None and item.X_TB is None,
         }[guard]
 

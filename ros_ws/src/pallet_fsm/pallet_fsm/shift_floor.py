@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pack_core.palletizing.cell import REJECT_TABLE, REORIENTATION_TABLE, PalletizingCell
+from pack_core.palletizing.cell import PICKING_TABLE, REJECT_TABLE, REORIENTATION_TABLE, PalletizingCell
 from pack_core.palletizing.orders.item_list import Item, order_box
 from pack_core.palletizing.orders.layout_plan import Insertion, PlannedBox
 from pack_core.palletizing.orders.next_place import PlaceAnswer, StandingPallet
@@ -19,6 +19,8 @@ from pallet_fsm.report import BoxOutcome
 STRAIGHT_DOWN = Insertion("Center", np.zeros(3), 0.0)
 DENSITY = 300.0
 """Of what is in a box whose weight nobody knows [kg/m^3]."""
+SAME_EDGE = 1e-6
+"""By which an edge of a box and a height may differ and are the same [m]."""
 SAME_PLACE = 0.05
 """Middles that are nearer are of the same place for a box that is set aside [m]."""
 
@@ -63,7 +65,7 @@ class ShiftFloor:
 
     def begin(self) -> OrderBook:
         """A new book of all boxes."""
-        self.book = OrderBook("shift", self.work, self._cell)
+        self.book = OrderBook("shift", self.work, self._cell, finds_places=True)
         return self.book
 
     def forget(self, work: WorkItem) -> None:
@@ -100,11 +102,53 @@ class ShiftFloor:
         return work
 
     def set_aside(self, item: Item) -> WorkItem:
-        """Have a box set aside, its long side along y, in which table B has more room."""
-        d_x, d_y, d_z = sorted(item.size, reverse=True)
-        across = d_y, d_x, d_z
-        plan = self._on_table(item, REORIENTATION_TABLE, self.free_buffers[0], across)
+        """Have a box set aside."""
+        plan = self._aside(item, self.free_buffers[0])
         return self._add(item, plan, REORIENTATION_TABLE)
+
+    def held(self, work: WorkItem) -> Item:
+        """A box in the hand, which stays upright as it hangs there: as it came, or as it was stood up."""
+        item = self._items[work.name]
+        height = min(item.size) if work.X_WG is not None else float(work.plan.placed.size[2])
+        length, width = sorted(item.size, key=lambda edge: abs(edge - height))[1:]
+        may_hang = not item.this_side_up or abs(item.size[2] - height) < SAME_EDGE
+        size = (length, width, height) if may_hang else item.size
+        return item.model_copy(update={"size": size, "this_side_up": True})
+
+    def put_elsewhere(self, work: WorkItem, plan: PlannedBox, deck: str) -> None:
+        """Have the box in the hand brought to another place; what was to rest on it gets another one, too."""
+        for other in self.pending:
+            if other is not work and other.deck == work.deck and other.plan.placed.rests_on(work.plan.placed):
+                other.finish(BoxOutcome.SKIPPED, f"box {work.name} does not come to where it was to stand")
+        work.box, work.plan, work.deck = order_box(self._items[work.name], plan.placed), plan, deck
+
+    def refuge(self, work: WorkItem) -> tuple[PlannedBox, str] | None:
+        """A place for the box in the hand beside the pallets: on table B, or where boxes are rejected.
+
+        It is set aside once only, and not after it was stood up, as boxes are gripped there as they come.
+        """
+        item, free = self._items[work.name], self.free_buffers
+        is_new = work.X_WG is not None and work.source == PICKING_TABLE
+        if is_new and free and REORIENTATION_TABLE not in work.refused:
+            return self._aside(item, free[0]), REORIENTATION_TABLE
+        if REJECT_TABLE in work.refused:
+            return None
+        middle = self._cell.place(REJECT_TABLE).middle[:2]
+        x, y, z = self.held(work).size
+        return self._on_table(item, REJECT_TABLE, middle, (x, y, z)), REJECT_TABLE
+
+    def decide_anew(self, work: WorkItem) -> None:
+        """Strike a box off that is to get another place; on table B it is one that was set aside again."""
+        self.forget(work)
+        if work.source == REORIENTATION_TABLE and work.X_WB is not None:
+            item = self._items[work.name]
+            aside = self._add(item, self._aside(item, work.X_WB.p[:2]), REORIENTATION_TABLE)
+            aside.X_WB, aside.outcome = work.X_WB, BoxOutcome.PLACED
+
+    def _aside(self, item: Item, middle_W: Array) -> PlannedBox:
+        """A place on table B, the box's long side along y, in which there is more room."""
+        d_x, d_y, d_z = sorted(item.size, reverse=True)
+        return self._on_table(item, REORIENTATION_TABLE, middle_W, (d_y, d_x, d_z))
 
     def send_away(self, arrival: Arrival) -> WorkItem:
         """Have a box put where somebody takes it away: all that is known of it is what was measured."""

@@ -12,8 +12,9 @@ from collections.abc import Mapping
 from pydantic import Field, PositiveFloat, PositiveInt
 
 from pack_core.config import Config
-from pack_core.palletizing.cell import PICKING_TABLE, REJECT_TABLE, PalletizingCell
+from pack_core.palletizing.cell import PICKING_TABLE, REJECT_TABLE, REORIENTATION_TABLE, PalletizingCell
 from pack_core.palletizing.orders.item_list import Item
+from pack_core.palletizing.orders.layout_plan import PlannedBox
 from pack_core.palletizing.orders.next_place import NextStep, PlaceAnswer, PlaceQuestion
 from pack_core.palletizing.ports import AskPlace, Command, DiscardBox, PalletObservation, TakePallet
 from pack_core.palletizing.shift_journal import EventKind, ShiftEvent
@@ -168,8 +169,13 @@ class ShiftJob:
                 if seen.time > self._asked_at + self._config.answer:
                     self.halt("nobody answers where the next box goes")
                 return []
-            self._question = None
-            self._follow(seen.place, seen)
+            asked, self._question = self._question, None
+            if self._is_placing_anew and asked.known[0].id == self._held.name:
+                self._place_anew(self._held, seen.place, seen)
+            else:
+                self._follow(seen.place, seen)
+        if self._is_placing_anew:
+            return self._ask_anew(self._held, seen)
         arrival = self._intake.arrival
         has_upcoming = any(work is not self._busy for work in self._floor.pending)
         if arrival is None or self._arriving is not None or has_upcoming:
@@ -187,6 +193,48 @@ class ShiftJob:
             len(floor.free_buffers),
         )  # fmt: skip
         return [AskPlace(self._question)]
+
+    @property
+    def _is_placing_anew(self) -> bool:
+        """Whether there was no way to the place of the box in the hand."""
+        return self._floor.book is not None and self._floor.book.is_placing_anew
+
+    @property
+    def _held(self) -> WorkItem:
+        """The box in the hand."""
+        assert self._floor.book is not None
+        return self._floor.book.current
+
+    def _ask_anew(self, work: WorkItem, seen: PalletObservation) -> list[Command]:
+        """Ask for a place of the box in the hand on another pallet than those to which there was no way."""
+        work.refused.add(work.deck)
+        places = [place for place in self._open_pallets(seen) if place not in work.refused]
+        if not places:
+            self._place_anew(work, None, seen)
+            return []
+        self._asked, self._asked_at = self._asked + 1, seen.time
+        standing = tuple(self._floor.standing(place) for place in places)
+        self._question = PlaceQuestion(self._asked, standing, (), (self._floor.held(work),), 0)
+        return [AskPlace(self._question)]
+
+    def _place_anew(self, work: WorkItem, answer: PlaceAnswer | None, seen: PalletObservation) -> None:
+        """Bring the box in the hand where was answered, else to table B, else to where boxes are rejected."""
+        found: tuple[PlannedBox, str] | None = None
+        step = NextStep.PLACE
+        if answer is not None and answer.plan is not None:
+            found = answer.plan, answer.pallet
+        elif found := self._floor.refuge(work):
+            step = NextStep.SET_ASIDE if found[1] == REORIENTATION_TABLE else NextStep.REJECT
+        if found is not None:
+            plan, deck = found
+            self._floor.put_elsewhere(work, plan, deck)
+            reason = "there is no way to its first place"
+            lower, size = plan.placed.lower.tolist(), plan.placed.size.tolist()
+            self._note(
+                seen, EventKind.DECIDED, work.name, deck, reason, step=step.value, lower=lower, size=size
+            )
+        assert self._floor.book is not None
+        self._floor.book.is_placing_anew = False
 
     def _open_pallets(self, seen: PalletObservation) -> list[str]:
         return [place for place in self._cell.pallets if place not in self._closing | seen.taken]
@@ -250,7 +298,7 @@ class ShiftJob:
 
     def _note_outcome(self, work: WorkItem, seen: PalletObservation) -> None:
         if work.outcome is BoxOutcome.SKIPPED and work is not self._busy:
-            self._floor.forget(work)  # what it was to stand on is not there: it gets another place
+            self._floor.decide_anew(work)  # what it was to stand on is not there
             self._arriving = None if work is self._arriving else self._arriving
             return
         if work.outcome is not BoxOutcome.PLACED:

@@ -51,6 +51,7 @@ class Guard(Enum):
     IS_ON_TABLE = "box on table B"
     IS_UNSEEN = "box to be looked for"
     IS_FROM_TABLE_A = "box from table A"
+    HAS_OTHER_PLACE = "another place for it"
 
 
 RESUME = None
@@ -143,6 +144,7 @@ MOTION = (
     Transition(State.MOTION_STUCK, Event.ASSESSED, State.SAFE_STOP, Guard.HAS_NO_TRIES),
     Transition(State.MOTION_STUCK, Event.ASSESSED, State.RETREAT, Guard.IS_UNSEEN),
     Transition(State.MOTION_STUCK, Event.ASSESSED, RESUME),
+    Transition(State.NOT_CLEAR, Event.ASSESSED, RESUME, Guard.HAS_OTHER_PLACE),
     Transition(State.NOT_CLEAR, Event.ASSESSED, State.SAFE_STOP, Guard.IS_HOLDING),
     Transition(State.NOT_CLEAR, Event.ASSESSED, State.SAFE_STOP, Guard.IS_FINISHED),
     Transition(State.NOT_CLEAR, Event.ASSESSED, State.SKIP_BOX),
