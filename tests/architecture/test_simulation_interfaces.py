@@ -17,8 +17,8 @@ PUBLISHED = {
     "srv/GetSimulationState.srv": ("---", "SimulationState state", "Result result"),
     "srv/SetSimulationState.srv": ("SimulationState state", "---", "Result result"),
 }
-"""Fields in their order, from Result.msg, SimulationState.msg and the services of these names, as published in
-the repository ros-simulation/simulation_interfaces at the tag 2.1.0; they are the same since 1.0.0."""
+"""Fields in their order, of Result.msg, SimulationState.msg and the services of these names, as published in
+the repository ros-simulation/simulation_interfaces at the tag 2.1.0."""
 CODES = {
     "msg/SimulationResult.msg": {
         "FEATURE_UNSUPPORTED": 0, "OK": 1, "NOT_FOUND": 2, "INCORRECT_STATE": 3, "OPERATION_FAILED": 4,

@@ -39,6 +39,9 @@ PARTS = {
     "contracts": CellPart(
         "pack_core.ros.contracts.{cell}", "CONTRACTS", "the wiring table: topics, services and actions"
     ),
+    "robot": CellPart(
+        "pack_core.{cell}.model", "planned_robot", "the robot as MoveIt and ros2_control are told of it"
+    ),
     "evaluator": CellPart(
         "pack_evaluation.{cell}.evaluator", "EVALUATOR", "from one recording to its measures and report"
     ),

@@ -1,14 +1,16 @@
-"""`pack driver check`: whether a driver of an arm does what a cell asks of it."""
+"""For drivers of arms that are not ours: `pack robot`, the robot as files, and `pack driver check`, the contract."""
 
 from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from pack_core.cells import CELLS
+from pack_bringup.cli.outputs import make_output_folder
+from pack_core.cells import CELLS, cell_part
 from pack_core.errors import ConfigError
 from pack_core.paths import project_root
 
@@ -48,3 +50,22 @@ def check(
     pytest = [sys.executable, "-m", "pytest", "-v", f"tests/contract/{tests}", *options]
     done = subprocess.run([*pytest, *(["-k", only] if only else [])], cwd=project_root(), check=False)
     raise typer.Exit(done.returncode)
+
+
+@app.command()
+def robot(
+    cell: Annotated[str, typer.Argument(help=f"Whose robot: {', '.join(CELLS)}.")],
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Where the files go.")],
+) -> None:
+    """Write a cell's robot as files for MoveIt and ros2_control (docs/operate/moveit.md).
+
+    They are made from what the cell itself uses: a URDF, an SRDF, limits, solver and controllers for MoveIt,
+    controllers for ros2_control, the URDF with hardware tags for a mock and for MuJoCo, and MuJoCo's model.
+
+    - `pack robot palletizing --output kr210_description`
+    """
+    made = cell_part(cell, "robot")()
+    make_output_folder(output)
+    for name, text in made.files().items():
+        (output / name).write_text(text)
+        typer.echo(output / name)

@@ -51,6 +51,7 @@ app = typer.Typer(
     - `pack wiring` shows every topic, service and action
     - `pack driver check blocks --domain 7` says whether a driver of an arm does what the cell asks of it
     - `pack opcua palletizing` serves a running cell to a PLC
+    - `pack robot palletizing --output DIR` writes its robot for MoveIt and ros2_control
     """,
 )
 for command in (

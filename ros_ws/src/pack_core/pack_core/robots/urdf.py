@@ -160,6 +160,16 @@ def _add_joint(robot: Element, model: mujoco.MjModel, body: int, limits: JointLi
         effort, velocity = limits.effort[index], limits.velocity[index]
     values = {"lower": lower, "upper": upper, "effort": effort, "velocity": velocity}
     SubElement(joint, "limit", {what: f"{value:.9g}" for what, value in values.items()})
+    _add_mimic(joint, model, first)
+
+
+def _add_mimic(element: Element, model: mujoco.MjModel, joint: int) -> None:
+    """Say of which joint this one is a linear function, as of fingers that move together."""
+    for equality in range(model.neq):
+        if model.eq_type[equality] == mujoco.mjtEq.mjEQ_JOINT and model.eq_obj1id[equality] == joint:
+            leader = model.joint(model.eq_obj2id[equality]).name
+            offset, multiplier = model.eq_data[equality, :2]
+            SubElement(element, "mimic", joint=leader, multiplier=f"{multiplier:.9g}", offset=f"{offset:.9g}")
 
 
 def _shapes(model: mujoco.MjModel, geom: int) -> Iterator[Shape]:
