@@ -1,4 +1,4 @@
-"""For drivers of arms that are not ours: `pack robot`, the robot as files, and `pack driver check`, the contract."""
+"""For drivers of arms: `pack robot`, the robot as files, and `pack driver check`, the contract."""
 
 from __future__ import annotations
 
