@@ -10,8 +10,8 @@ from pack_core.palletizing.orders.next_place import NextStep, PlaceAnswer
 from pack_core.palletizing.ports import AskPlace, Command, PursueTarget
 from pack_core.palletizing.shift_journal import EventKind
 from pack_core.rotations import Pose
-from pack_planner.layout.online_packer import PackerConfig, placed_item
-from pack_planner.layout.online_planner import OnlineConfig
+from pack_planner.layout.online_packer import placed_item
+from pack_planner.layout.online_planner import OnlineConfig, OnlinePackerConfig
 from pallet_fsm.intake import Arrival
 from pallet_fsm.palletizer_config import FeederConfig
 from pallet_fsm.report import BoxOutcome
@@ -23,7 +23,7 @@ from unit.pallet_fsm.faults import Faults
 
 TEA = listed("tea")
 LARGE = listed("large", (0.59, 0.39, 0.15))
-LOW = OnlineConfig(packer=PackerConfig(highest=0.16))
+LOW = OnlineConfig(packer=OnlinePackerConfig(highest=0.16))
 """A single layer: a pallet holds four large boxes."""
 
 

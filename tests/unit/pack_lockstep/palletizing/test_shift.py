@@ -24,8 +24,7 @@ from pack_lockstep.palletizing.shift import (
     stream_of,
 )
 from pack_planner.layout.insertion_direction import InsertionConfig
-from pack_planner.layout.online_packer import PackerConfig
-from pack_planner.layout.online_planner import OnlineConfig
+from pack_planner.layout.online_planner import OnlineConfig, OnlinePackerConfig
 
 CELL = palletizing_cell()
 
@@ -54,7 +53,7 @@ def test_what_boxes_bear_is_that_of_the_stream() -> None:
 
 def test_a_stream_ends_when_enough_pallets_are_closed_and_its_stacks_hold() -> None:
     # Low stacks of few boxes, so that physics takes a second.
-    config = OnlineConfig(packer=PackerConfig(highest=0.3))
+    config = OnlineConfig(packer=OnlinePackerConfig(highest=0.3))
     trial = run_stream(setup(BoxStreamConfig(max_pressure=2.0, fragile=0.2), config), StreamJob(1002))
     assert len(trial["stacks"]) == 2
     assert sum(stack["boxes"] for stack in trial["stacks"]) < trial["came"] <= len(trial["decision_s"])

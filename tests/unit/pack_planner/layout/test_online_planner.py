@@ -15,11 +15,11 @@ from pack_core.palletizing.orders.next_place import NextStep
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.palletizing.orders.tipping import TippingConfig, tipping_boxes
 from pack_planner.layout.insertion_direction import InsertionConfig
-from pack_planner.layout.online_packer import PackerConfig
 from pack_planner.layout.online_planner import (
     Decision,
     Floor,
     OnlineConfig,
+    OnlinePackerConfig,
     OnlinePlanner,
     carried_out,
 )
@@ -69,7 +69,7 @@ def test_boxes_go_where_they_stand_tip_nothing_and_overload_nothing() -> None:
 
 
 def test_what_fits_nowhere_is_set_aside_and_then_the_fullest_pallet_is_closed() -> None:
-    low = PackerConfig(highest=0.2)
+    low = OnlinePackerConfig(highest=0.2)
     # Four of these cover more than half of a deck each, so that no fifth finds a place on two pallets.
     large = [item(f"large{k}", (0.7, 0.7, 0.15)) for k in range(4)]
     _, made = run(large, packer=low, pallets=2, buffer=1)
@@ -80,7 +80,7 @@ def test_what_fits_nowhere_is_set_aside_and_then_the_fullest_pallet_is_closed() 
 
 
 def test_the_fuller_of_two_pallets_is_closed() -> None:
-    low = PackerConfig(highest=0.2)
+    low = OnlinePackerConfig(highest=0.2)
     items = [item("a", (0.7, 0.7, 0.1)), item("b", (0.7, 0.7, 0.15)), item("c", (0.7, 0.7, 0.15))]
     floor, made = run(items, packer=low, pallets=2, buffer=0)
     closing = next(decision for decision in made if decision.step is NextStep.CLOSE)
@@ -90,12 +90,14 @@ def test_the_fuller_of_two_pallets_is_closed() -> None:
 
 
 def test_a_box_goes_to_the_fullest_pallet_that_has_a_place() -> None:
-    floor, _ = run([item("large", (0.7, 0.7, 0.1)), item("a"), item("b")], packer=PackerConfig(highest=0.2))
+    floor, _ = run(
+        [item("large", (0.7, 0.7, 0.1)), item("a"), item("b")], packer=OnlinePackerConfig(highest=0.2)
+    )
     assert [len(pallet.boxes) for pallet in floor.pallets] == [3, 0]
 
 
 def test_the_fullest_pallet_is_closed_while_others_have_places_once_boxes_in_a_row_miss_it() -> None:
-    low = PackerConfig(highest=0.2)
+    low = OnlinePackerConfig(highest=0.2)
     large, two = item("large", (0.7, 0.7, 0.15)), [item(f"b{k}", (0.55, 0.55, 0.1)) for k in range(2)]
     _, made = run([large, *two], packer=low, misses=2, enough=1.0)
     steps = [(decision.step, decision.pallet) for decision in made]
@@ -115,7 +117,7 @@ def test_a_pallet_that_is_full_enough_is_closed_at_the_first_box_that_it_has_no_
 ) -> None:
     # The first one takes up 0.7 x 0.7 x 0.15 of 1.2 x 0.8 x 0.2 m.
     boxes = [item("large", (0.7, 0.7, 0.15)), item("b", (0.55, 0.55, 0.1))]
-    _, made = run(boxes, packer=PackerConfig(highest=0.2), enough=enough)
+    _, made = run(boxes, packer=OnlinePackerConfig(highest=0.2), enough=enough)
     assert [decision.step for decision in made] == steps
 
 

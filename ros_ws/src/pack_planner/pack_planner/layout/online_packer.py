@@ -53,7 +53,7 @@ class PackerConfig(Config):
     gap: NonNegativeFloat = Field(0.002, le=0.05, description="free distance between neighbours [m]")
     highest: PositiveFloat = Field(1.0, description="stack over the deck, at most [m]")
     handling_price: NonNegativeFloat = Field(
-        0.01, description="what a costlier turn adds to the cost of a place, in the place rule's unit"
+        0.02, description="what standing a box up adds to the cost of a place, in the place rule's unit"
     )
     rule: Annotated[str, AfterValidator(_known_rule)] = Field(
         "touching", description="what places are ranked by: " + ", ".join(PLACE_RULES)

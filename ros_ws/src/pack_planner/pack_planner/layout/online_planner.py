@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from pydantic import Field, NonNegativeInt, PositiveInt
+from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveInt
 
 from pack_core.config import Config
 from pack_core.palletizing.cell import PALLET
@@ -31,10 +31,18 @@ from pack_planner.layout.online_packer import (
 )
 
 
+class OnlinePackerConfig(PackerConfig):
+    """Parameters of the packer for boxes that come as they come: most are to lie as they come."""
+
+    handling_price: NonNegativeFloat = Field(
+        0.4, description="what standing a box up adds to the cost of a place, in the place rule's unit"
+    )
+
+
 class OnlineConfig(Config):
     """Parameters of the online planner."""
 
-    packer: PackerConfig = PackerConfig()
+    packer: OnlinePackerConfig = OnlinePackerConfig()
     pallets: PositiveInt = Field(2, description="that are open at a time")
     buffer: NonNegativeInt = Field(2, description="boxes that can be set aside")
     preview: PositiveInt = Field(1, description="boxes of the infeed that are known and can be taken")

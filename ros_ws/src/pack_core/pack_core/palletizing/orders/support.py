@@ -12,6 +12,9 @@ from shapely import MultiPolygon, Point, Polygon, box
 from pack_core.config import Config
 from pack_core.palletizing.orders.placed_box import TOUCH, PlacedBox
 
+ROUNDING = 1e-7
+"""By which the share of a base may be smaller than is needed: what computing leaves of sums."""
+
 
 class SupportConfig(Config):
     """The support that every box must have."""
@@ -39,7 +42,7 @@ class Support:
 
     def problem(self, config: SupportConfig) -> str | None:
         """Why the box would not stay at its place, in words; None where it would."""
-        if self.share < config.min_share:
+        if self.share < config.min_share - ROUNDING:
             return f"{self.share:.1%} of its base is carried; allowed: at least {config.min_share:.0%}"
         if self.margin < config.min_margin:
             where = "inside" if self.margin >= 0.0 else "outside"
