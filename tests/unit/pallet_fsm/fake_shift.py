@@ -120,23 +120,23 @@ class ShiftRunning:
 
 def run_shift(
     stream: list[Came], catalogue: list[Item], config: OnlineConfig | None = None,
-    faults: Faults | None = None, *, period: float = 0.0, boxes: int | None = None,
+    faults: Faults | None = None, *, scans: ScanConfig | None = None, boxes: int | None = None,
     feeder: FeederConfig | None = None,
 ) -> ShiftRunning:  # fmt: skip
-    """A shift from start to end; `period` [s] is that of scans of pallets and table B, 0: none."""
+    """A shift from start to end; `scans` says when pallets and table B are scanned, by default never."""
     labels = {item.id: item for item in catalogue}
     cell = FakeShiftCell(
         None, faults or Faults(), stream=stream, catalogue=labels, config=config or OnlineConfig()
     )
-    return go_on(cell, boxes or len(stream), period=period, feeder=feeder)
+    return go_on(cell, boxes or len(stream), scans=scans, feeder=feeder)
 
 
 def go_on(
-    cell: FakeShiftCell, boxes: int, taken_over: TakenOver | None = None, *, period: float = 0.0,
+    cell: FakeShiftCell, boxes: int, taken_over: TakenOver | None = None, *, scans: ScanConfig | None = None,
     feeder: FeederConfig | None = None,
 ) -> ShiftRunning:  # fmt: skip
     """A shift in a cell in which something may stand already."""
-    machine = PalletizerConfig(scans=ScanConfig(period=period), feeder=feeder or FeederConfig())
+    machine = PalletizerConfig(scans=scans or ScanConfig(period=0.0), feeder=feeder or FeederConfig())
     job = ShiftJob(CELL, cell.catalogue, ShiftConfig(patience=20.0), machine, boxes, taken_over)
     shift = ShiftRunning(job, cell)
     while not job.is_over:

@@ -7,18 +7,18 @@ from pack_core.palletizing.cell import PALLET, REJECT_TABLE, REORIENTATION_TABLE
 from pack_core.palletizing.orders.item_list import Item
 from pack_core.palletizing.orders.layout_plan import PlannedBox
 from pack_core.palletizing.orders.next_place import NextStep, PlaceAnswer
-from pack_core.palletizing.ports import AskPlace, Command, PursueTarget
+from pack_core.palletizing.ports import AskPlace, Command, OpenGripper, PursueTarget
 from pack_core.palletizing.shift_journal import EventKind
 from pack_core.rotations import Pose
 from pack_planner.layout.online_packer import placed_item
 from pack_planner.layout.online_planner import OnlineConfig, OnlinePackerConfig
 from pallet_fsm.intake import Arrival
-from pallet_fsm.palletizer_config import FeederConfig
+from pallet_fsm.palletizer_config import FeederConfig, ScanConfig
 from pallet_fsm.report import BoxOutcome
 from pallet_fsm.shift_floor import STRAIGHT_DOWN, ShiftFloor
 from unit.pallet_fsm import fake_shift
 from unit.pallet_fsm.fake_motion import REFUSED, segments
-from unit.pallet_fsm.fake_shift import CELL, Came, FakeShiftCell, listed, run_shift
+from unit.pallet_fsm.fake_shift import CELL, Came, FakeShiftCell, ShiftRunning, listed, run_shift
 from unit.pallet_fsm.faults import Faults
 
 TEA = listed("tea")
@@ -28,7 +28,7 @@ LOW = OnlineConfig(packer=OnlinePackerConfig(highest=0.16))
 
 
 def test_boxes_that_come_stand_where_it_was_decided() -> None:
-    shift = run_shift([Came("tea")] * 4, [TEA], period=0.2)
+    shift = run_shift([Came("tea")] * 4, [TEA], scans=ScanConfig())
     assert shift.job.reason == "all 4 boxes came"
     put_down = shift.of(EventKind.PUT_DOWN)
     assert [event.box for event in put_down] == ["b1", "b2", "b3", "b4"]
@@ -161,6 +161,34 @@ def test_what_was_to_stand_on_a_box_that_goes_elsewhere_is_decided_on_anew() -> 
     floor.decide_anew(above)
     assert floor.buffered == (items[1],)
     assert floor.boxes_of(REORIENTATION_TABLE)[0].X_WB is aside.X_WB
+
+
+def nudged(monkeypatch: pytest.MonkeyPatch, by: tuple[float, float, float]) -> ShiftRunning:
+    """A shift in which somebody moves the first box [m] as the second one is let go."""
+    apply = FakeShiftCell.apply
+
+    def nudging(cell: FakeShiftCell, command: Command) -> None:
+        if cell.grip.held == "b2" and isinstance(command, OpenGripper):
+            cell.boxes["b1"] = Pose(cell.boxes["b1"].p + np.array(by), cell.boxes["b1"].q)
+        apply(cell, command)
+
+    monkeypatch.setattr(FakeShiftCell, "apply", nudging)
+    large = listed("large", (0.55, 0.39, 0.2))
+    low = OnlineConfig(packer=OnlinePackerConfig(highest=0.25))
+    return run_shift([Came("large")] * 3, [large], low, scans=ScanConfig(near=5.0))
+
+
+def test_a_shift_goes_on_with_a_box_that_was_moved_a_little(monkeypatch) -> None:
+    shift = nudged(monkeypatch, (-0.02, 0.0, 0.0))
+    (moved,) = shift.of(EventKind.MOVED)
+    assert moved.box == "b1"
+    assert np.linalg.norm(np.array(moved.data["pose"][:3]) - shift.cell.boxes["b1"].p) < 0.003
+    assert shift.job.reason == "all 3 boxes came"
+
+
+def test_a_box_that_was_moved_farther_calls_a_person(monkeypatch) -> None:
+    shift = nudged(monkeypatch, (-0.06, 0.0, 0.0))
+    assert shift.job.reason.startswith("seen on the pallet: box b1 stands 6")
 
 
 def test_a_shift_for_which_nothing_comes_ends() -> None:

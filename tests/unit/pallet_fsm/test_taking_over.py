@@ -9,6 +9,7 @@ from pack_core.motion.world import Obstacle
 from pack_core.palletizing.cell import PALLET, REORIENTATION_TABLE
 from pack_core.palletizing.shift_journal import EventKind, ShiftJournal, read_journal
 from pack_core.rotations import Pose, from_yaw, multiply
+from pallet_fsm.palletizer_config import ScanConfig
 from pallet_fsm.taking_over import TakenOver, TakeOverConfig, standing_by_journal, take_over
 from unit.pallet_fsm.fake_shift import CELL, Came, FakeShiftCell, ShiftRunning, go_on, listed, run_shift
 from unit.pallet_fsm.test_shift_job import LARGE, LOW
@@ -40,7 +41,7 @@ def test_what_stands_as_the_journal_says_is_gone_on_with(interrupted) -> None:
     assert (found.doubts, found.closed) == ((), frozenset())
     assert {work.name for work, _ in found.standing} == {"b1", "b2", "b3"}
     shift.cell.stream = [Came("tea")] * 2
-    after = go_on(shift.cell, 2, found, period=0.2)
+    after = go_on(shift.cell, 2, found, scans=ScanConfig())
     assert after.job.reason == "all 2 boxes came"
     assert len(shift.cell.boxes) == 5
     for one in shift.cell.boxes.values():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,7 +14,7 @@ from pack_core.palletizing.orders.handling import Handling
 from pack_core.palletizing.orders.layout_plan import LayoutPlan, PlannedBox
 from pack_core.palletizing.orders.order import Order, OrderBox
 from pack_core.palletizing.orders.placed_box import PlacedBox
-from pack_core.rotations import Array, Pose
+from pack_core.rotations import Array, Pose, to_matrix
 from pallet_fsm.report import BoxOutcome, BoxReport
 from pallet_fsm.states import State
 from pallet_fsm.tool_poses import placed_pose
@@ -113,13 +113,15 @@ class OrderBook:
         name: of the order or shift.
         items: the boxes, those that stand already before those that are to be placed.
         cell: the cell's physical facts.
-        finds_places: whether another place is found for a box in the hand to whose place there is no way.
+        finds_places: whether places are decided while the book is worked on: a box in the hand to whose place
+            there is no way gets another one, and boxes that were moved a little are known to stand elsewhere.
 
     Attributes:
         current: the box in work.
         others: what else stands in the cell, and is not to be placed yet.
         is_next_coming: whether the next box is about to be found: it is worth while to wait for it.
         is_placing_anew: whether another place for the box in the hand is looked for.
+        relocated: boxes that were found to stand a little elsewhere, with how far, in words.
     """
 
     def __init__(
@@ -129,6 +131,7 @@ class OrderBook:
         self._furniture = cell.furniture
         self.others: tuple[Obstacle, ...] = ()
         self.is_next_coming = self.is_placing_anew = False
+        self.relocated: list[tuple[WorkItem, str]] = []
         self.current = next((item for item in self.items if not item.is_finished), self.items[-1])
 
     @classmethod
@@ -196,6 +199,26 @@ class OrderBook:
     def lose(self, name: str, reason: str) -> None:
         """Note that a box which was placed no longer stands in its place."""
         next(item for item in self.items if item.name == name).finish(BoxOutcome.LOST, reason)
+
+    def relocate(self, name: str, moved: Callable[[Pose], Pose], reason: str) -> None:
+        """Note that a box that was placed stands a little elsewhere: at `moved` of where it stood."""
+        item = next(item for item in self.items if item.name == name)
+        assert item.X_WB is not None
+        item.X_WB = moved(item.X_WB)
+        self.relocated.append((item, reason))
+
+    def is_beside(self, name: str, shift_W: Array) -> bool:
+        """Whether a box that was moved by `shift_W` `(2,)` [m] is, or was, next to the current one's place.
+
+        That one is on its way there, and its place was chosen beside where the other stood.
+        """
+        other = next(item for item in self.items if item.name == name)
+        if self.current.is_finished or self.current.deck != other.deck:
+            return False
+        R_WD = to_matrix(self._cell.deck(other.deck).X_WD.q)
+        placed = other.plan.placed
+        after = placed.moved([*shift_W, 0.0] @ R_WD)
+        return bool(neighbours(self.current.plan.placed, {"before": placed, "after": after}))
 
     def beside(self, item: WorkItem) -> frozenset[str]:
         """Names of the obstacles that a box touches, or nearly touches, at its place."""

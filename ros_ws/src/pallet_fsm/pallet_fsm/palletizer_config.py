@@ -106,6 +106,13 @@ class SecondLookConfig(Config):
     patience: PositiveFloat = Field(default=5.0, description="longest time until the camera answers [s]")
 
 
+class SmallMoveConfig(Config):
+    """By how much a box on a pallet of a shift may be found elsewhere and is known to stand there then."""
+
+    shift: PositiveFloat = Field(default=0.03, description="by which a box may have been moved [m]")
+    turn_deg: PositiveFloat = Field(default=2.0, description="by which it may have been turned [deg]")
+
+
 class ScanConfig(Config):
     """When the pallet and table B are scanned, and what counts as a change."""
 
@@ -125,6 +132,7 @@ class ScanConfig(Config):
     )
     patience: PositiveFloat = Field(default=5.0, description="longest time until a scanner answers [s]")
     tolerances: ScanTolerances = ScanTolerances()
+    small: SmallMoveConfig = SmallMoveConfig()
 
     @model_validator(mode="after")
     def _leaves_room_to_look(self) -> Self:

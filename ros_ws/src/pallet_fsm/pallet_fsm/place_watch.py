@@ -23,11 +23,11 @@ from pack_core.palletizing.cell import (
 from pack_core.palletizing.orders.handling import Handling
 from pack_core.palletizing.ports import Command, PalletObservation, ScanPlace
 from pack_core.robots.kr210 import WRIST_LENGTH
-from pack_core.rotations import Array, Pose
-from pack_perception.scans.comparison import Finding, ScannedScene, compare
+from pack_core.rotations import Array, Pose, from_yaw, multiply
+from pack_perception.scans.comparison import Finding, Oddity, ScannedScene, compare
 from pack_perception.scans.rays import Rays
 from pallet_fsm.order_book import OrderBook
-from pallet_fsm.palletizer_config import ScanConfig
+from pallet_fsm.palletizer_config import ScanConfig, SmallMoveConfig
 from pallet_fsm.states import BEFORE_REGRASP, State
 from pallet_fsm.transitions import Event, Happening
 
@@ -202,7 +202,7 @@ class PlaceWatch:
         self._looks = {
             name: PlaceLook(name, blocks[name], cell, config) for name in (*cell.pallets, REORIENTATION_TABLE)
         }
-        self._book = book
+        self._book, self._small = book, config.small
         self._found: dict[str, tuple[Finding, ...]] = {}
         self._commands: list[Command] = []
 
@@ -233,7 +233,11 @@ class PlaceWatch:
             if look.is_late(time):
                 return Event.HALTED, f"the scanner over {WORDS[name]} does not answer"
         for name, found in self._on_pallets():
-            return Event.PLACE_CHANGED, f"seen on {WORDS[name]}: {_words(found)}"
+            if not self._is_harmless(found):
+                return Event.PLACE_CHANGED, f"seen on {WORDS[name]}: {_words(found)}"
+            for finding in found:
+                self._book.relocate(finding.box, partial(moved_pose, finding), str(finding))
+            self._found[name] = ()
         found = self._found.pop(
             REORIENTATION_TABLE, ()
         )  # it counts once: the machine goes on without the box
@@ -251,6 +255,17 @@ class PlaceWatch:
                 if finding.box:
                     self._book.lose(finding.box, f"seen on {WORDS[name]}: {finding}")
 
+    def _is_harmless(self, found: tuple[Finding, ...]) -> bool:
+        """Whether all that was found is that boxes stand a little elsewhere, not beside the box in work.
+
+        In a shift they are known to stand there from then on; what was seen wrongly is put right by the
+        next scan in the same way.
+        """
+        return self._book.finds_places and all(
+            is_small(finding, self._small) and not self._book.is_beside(finding.box, finding.shift_W)
+            for finding in found
+        )
+
     def _on_pallets(self) -> list[tuple[str, tuple[Finding, ...]]]:
         """The pallets on which something is not as it should be, and what."""
         return [(name, found) for name, found in self._found.items() if found and name != REORIENTATION_TABLE]
@@ -265,6 +280,18 @@ class PlaceWatch:
 
 WORDS = {PALLET: "the pallet", SECOND_PALLET: "the second pallet", REORIENTATION_TABLE: "table B"}
 """What scanned places are called in reasons."""
+
+
+def is_small(finding: Finding, config: SmallMoveConfig) -> bool:
+    """Whether a box was found so little from its place that it may be known to stand there."""
+    is_near = float(np.linalg.norm(finding.shift_W)) <= config.shift
+    return finding.oddity is Oddity.MOVED and is_near and abs(finding.turn_deg) <= config.turn_deg
+
+
+def moved_pose(finding: Finding, X_WB: Pose) -> Pose:
+    """Where a box stands that was found elsewhere than at X_WB; it turned about its own vertical."""
+    turn = from_yaw(np.deg2rad(finding.turn_deg))
+    return Pose(X_WB.p + np.array([*finding.shift_W, 0.0]), multiply(turn, X_WB.q))
 
 
 def warm_up() -> None:

@@ -280,9 +280,23 @@ class ShiftJob:
         else:
             self._expect(self._floor.send_away(arrival))
 
+    def _note_moved(self, seen: PalletObservation) -> None:
+        """Note boxes found a little elsewhere; what was to come to that pallet is decided on anew."""
+        book = self._floor.book
+        assert book is not None
+        moved, book.relocated = book.relocated, []
+        for work, reason in moved:
+            assert work.X_WB is not None
+            pose = [*work.X_WB.p.tolist(), *work.X_WB.q.tolist()]
+            self._note(seen, EventKind.MOVED, work.name, work.deck, reason, pose=pose)
+            for other in self._floor.pending:
+                if other is not self._busy and other.deck == work.deck:
+                    other.finish(BoxOutcome.SKIPPED, reason)
+
     def _note_progress(self, seen: PalletObservation) -> None:
         """Note the states that were entered, and what became of boxes."""
         assert self.machine is not None
+        self._note_moved(seen)
         machine = self.machine.machine
         for visit in machine.visits[self._noted :]:
             state = {"state": visit.state.label, "event": visit.event.value if visit.event else ""}

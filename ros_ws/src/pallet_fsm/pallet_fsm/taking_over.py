@@ -8,10 +8,9 @@ pallet on which more than that has changed is closed, and somebody takes it away
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from pydantic import Field, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.palletizing.cell import REJECT_TABLE, REORIENTATION_TABLE, PalletizingCell
@@ -20,10 +19,12 @@ from pack_core.palletizing.orders.layout_plan import PlannedBox
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.palletizing.scanner import PlaceScan
 from pack_core.palletizing.shift_journal import EventKind, ShiftEvent
-from pack_core.rotations import Pose, from_yaw, multiply
-from pack_perception.scans.comparison import Finding, Oddity, ScannedScene, ScanTolerances, compare
+from pack_core.rotations import Pose
+from pack_perception.scans.comparison import ScannedScene, ScanTolerances, compare
 from pack_perception.scans.rays import Rays
 from pallet_fsm.order_book import WorkItem, standing_box
+from pallet_fsm.palletizer_config import SmallMoveConfig
+from pallet_fsm.place_watch import is_small, moved_pose
 from pallet_fsm.report import BoxOutcome
 from pallet_fsm.shift_floor import STRAIGHT_DOWN
 
@@ -31,8 +32,7 @@ from pallet_fsm.shift_floor import STRAIGHT_DOWN
 class TakeOverConfig(Config):
     """What may have changed on a pallet that is gone on with."""
 
-    shift: PositiveFloat = Field(default=0.03, description="by which a box may have been moved [m]")
-    turn_deg: PositiveFloat = Field(default=2.0, description="by which it may have been turned [deg]")
+    small: SmallMoveConfig = SmallMoveConfig()
     tolerances: ScanTolerances = ScanTolerances()
 
 
@@ -60,6 +60,9 @@ def standing_by_journal(events: Iterable[ShiftEvent]) -> list[tuple[WorkItem, It
                 found.pop(event.box, None)
                 if event.place != REJECT_TABLE:
                     found[event.box] = event
+            case EventKind.MOVED if event.box in found:
+                data = {**found[event.box].data, "pose": event.data["pose"]}
+                found[event.box] = replace(found[event.box], data=data)
             case EventKind.LOST | EventKind.SKIPPED:
                 found.pop(event.box, None)
             case EventKind.TAKEN:
@@ -106,23 +109,12 @@ def take_over(
         least = config.tolerances.area / cell.scanner(place).spacing ** 2
         for finding in compare(ScannedScene(rays, blocks[place], expected, least), config.tolerances):
             doubts.append(f"{place.replace('_', ' ')}: {finding}")
-            if _is_small(finding, config):
-                _move(there[finding.box], finding)
+            work = there.get(finding.box)
+            if work is not None and work.X_WB is not None and is_small(finding, config.small):
+                work.X_WB = moved_pose(finding, work.X_WB)
             elif place == REORIENTATION_TABLE and finding.box:
                 gone.add(finding.box)
             else:
                 closed.add(place)
     standing = tuple((work, item) for work, item in boxes if work.name not in gone)
     return TakenOver(standing, frozenset(closed), tuple(doubts))
-
-
-def _is_small(finding: Finding, config: TakeOverConfig) -> bool:
-    is_near = float(np.linalg.norm(finding.shift_W)) <= config.shift
-    return finding.oddity is Oddity.MOVED and is_near and abs(finding.turn_deg) <= config.turn_deg
-
-
-def _move(work: WorkItem, finding: Finding) -> None:
-    """Note that a box stands elsewhere; it turned about its own vertical."""
-    assert work.X_WB is not None
-    turn = from_yaw(np.deg2rad(finding.turn_deg))
-    work.X_WB = Pose(work.X_WB.p + np.array([*finding.shift_W, 0.0]), multiply(turn, work.X_WB.q))

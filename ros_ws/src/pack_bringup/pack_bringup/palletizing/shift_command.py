@@ -290,6 +290,8 @@ def _line(event: ShiftEvent) -> str:
             what = f"stands on {event.place.replace('_', ' ')}"
         case "taken":
             what = f"{event.place.replace('_', ' ')} with {len(event.data['boxes'])} boxes is taken away"
+        case "moved":
+            what = f"is a little elsewhere: {event.reason}"
         case "skipped" | "lost" | "ended":
             what = f"{event.kind}: {event.reason}"
         case "began" if event.data["standing"]:

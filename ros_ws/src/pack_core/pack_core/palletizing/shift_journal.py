@@ -39,6 +39,7 @@ class EventKind(StrEnum):
     DECIDED = "decided"
     STATE = "state"
     PUT_DOWN = "put down"
+    MOVED = "moved"
     SKIPPED = "skipped"
     LOST = "lost"
     TAKEN = "taken"

@@ -48,6 +48,7 @@ def shift_report(shift: WrittenShift) -> dict[str, Any]:
         "boxes_per_hour": HOUR * len(on_pallets) / duration if duration else None,
         "set_aside": steps["set aside"],
         "rejected": {event.box: event.reason for event in decided if event.data["step"] == "reject"},
+        "moved": {event.box: event.reason for event in events if event.kind is EventKind.MOVED},
         "skipped": {event.box: event.reason for event in events if event.kind is EventKind.SKIPPED},
         "lost": {event.box: event.reason for event in events if event.kind is EventKind.LOST},
         "faults": dict(_faults(events)),

@@ -16,8 +16,10 @@ from pack_sim.palletizing.infeed import ArrivingBox
 ARRIVALS = 11
 """Stream of random numbers of how boxes lie on the conveyor."""
 
-BoxFault = Literal["", "no label", "wrong label", "double", "crushed"]
-FAULTS: tuple[BoxFault, ...] = ("no label", "wrong label", "double", "crushed")
+BoxFault = Literal["", "no label", "wrong label", "double", "crushed", "oversize"]
+FAULTS: tuple[BoxFault, ...] = ("no label", "wrong label", "double", "crushed", "oversize")
+WRONG_BY = (0.015, 0.04)
+"""By which crushed boxes, and those that are too large, differ from what their labels say [m]."""
 
 
 class ArrivalConfig(Config):
@@ -30,7 +32,7 @@ class ArrivalConfig(Config):
     )
     faulty: float = Field(
         default=0.02, ge=0, le=1, description="share of boxes without a label, with a wrong one, of which "
-        "two stick together, or that are crushed"
+        "two stick together, that are crushed, or longer and wider than their label says"
     )  # fmt: skip
 
 
@@ -68,7 +70,7 @@ class Arrivals:
             quarter = rng.integers(2) * np.pi / 2.0
             yaw = float(quarter + np.deg2rad(rng.uniform(-config.yaw_deg, config.yaw_deg)))
             offset, gap = float(rng.uniform(-config.offset, config.offset)), float(rng.uniform(*config.gaps))
-            body = _body(item, fault, float(rng.uniform(0.015, 0.04)))
+            body = _body(item, fault, float(rng.uniform(*WRONG_BY)))
             if item.id in self._without:
                 continue  # only now: those that follow are the same whether or not it is left out
             if fault:
@@ -76,12 +78,17 @@ class Arrivals:
             yield ArrivingBox(body, label, yaw, offset, gap)
 
 
-def _body(item: Item, fault: BoxFault, crushed: float) -> BoxBody:
-    """A box as it arrives: on its largest face; two that stick together lie side by side."""
+def _body(item: Item, fault: BoxFault, wrong: float) -> BoxBody:
+    """A box as it arrives: on its largest face; two that stick together lie side by side.
+
+    One that is crushed is lower by `wrong` [m], or by less where it is low; one too large is larger by it.
+    """
     d_x, d_y, d_z = sorted(item.size, reverse=True)
     mass = item.weight
     if fault == "double":
         d_x, d_y, mass = max(d_x, 2.0 * d_y), min(d_x, 2.0 * d_y), 2.0 * mass
     if fault == "crushed":
-        d_z -= min(crushed, 0.3 * d_z)
+        d_z -= min(wrong, 0.3 * d_z)
+    if fault == "oversize":
+        d_x, d_y = d_x + wrong, d_y + wrong
     return BoxBody(item.id, (d_x, d_y, d_z), mass)
