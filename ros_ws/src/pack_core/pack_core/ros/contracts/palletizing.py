@@ -36,6 +36,29 @@ from pack_core.ros.contracts.contract import EVENTS, LATCHED, LATEST, STREAM, Co
 from pack_core.ros.contracts.motion import overhead_camera
 from pack_core.ros.contracts.shared import SHARED
 
+
+def scanner(place: str, points: str, what: str, *, is_of_shifts: bool = False) -> tuple[Contract, Contract]:
+    """How a scan of a place is asked for, and where its points come.
+
+    Args:
+        place: its name, as in `pack_core.palletizing.cell`.
+        points: name of the topic of the points.
+        what: the scanner hangs over, in words.
+        is_of_shifts: whether only a cell for shifts has it.
+    """
+    where = "; only in a cell for shifts" if is_of_shifts else ""
+    trigger = Contract(
+        f"/{place}_scanner/trigger", Trigger, ("fsm", "user"), ("sim",),
+        f"scan {what} now; the points follow, stamped with this moment{where}", kind=Kind.SERVICE,
+    )  # fmt: skip
+    scan = Contract(
+        points, PointCloud2, ("sim",), ("fsm", "recorder", "user"),
+        f"where the rays of the scanner over {what} met something, in the frame `{place}_scanner`",
+        qos=LATEST, rate="on demand", recorded=True,
+    )  # fmt: skip
+    return trigger, scan
+
+
 # fmt: off
 JOINT_STATES = replace(motion.JOINT_STATES, targets=("motion", "fsm", "recorder", "user"))
 BOXES = Contract(
@@ -79,35 +102,12 @@ BOARD_SIGHTING = Contract(
     topics.BOARD_SIGHTING, BoardSighting, ("vision",), ("fsm", "recorder", "user"),
     "corners of the calibration board in a picture, when it is what is expected", qos=STREAM,
     rate="each picture", recorded=True)
-SCAN_PALLET = Contract(
-    "/pallet_scanner/trigger", Trigger, ("fsm", "user"), ("sim",),
-    "scan the pallet now; the points follow, stamped with this moment", kind=Kind.SERVICE)
-PALLET_SCAN = Contract(
-    topics.PALLET_SCAN, PointCloud2, ("sim",), ("fsm", "recorder", "user"),
-    "where the rays of the scanner over the pallet met something, in the frame `pallet_scanner`", qos=LATEST,
-    rate="on demand", recorded=True)
-SCAN_TABLE = Contract(
-    "/reorientation_table_scanner/trigger", Trigger, ("fsm", "user"), ("sim",),
-    "scan table B now; the points follow, stamped with this moment", kind=Kind.SERVICE)
-TABLE_SCAN = Contract(
-    topics.TABLE_SCAN, PointCloud2, ("sim",), ("fsm", "recorder", "user"),
-    "the same of the scanner over table B, in the frame `reorientation_table_scanner`", qos=LATEST,
-    rate="on demand", recorded=True)
-SCAN_PICKING = Contract(
-    "/picking_table_scanner/trigger", Trigger, ("fsm", "user"), ("sim",),
-    "scan the box at the conveyor's barrier now; the points follow; only in a cell for shifts",
-    kind=Kind.SERVICE)
-PICKING_SCAN = Contract(
-    topics.PICKING_SCAN, PointCloud2, ("sim",), ("fsm", "recorder", "user"),
-    "the same of the scanner over the conveyor, in the frame `picking_table_scanner`", qos=LATEST,
-    rate="on demand", recorded=True)
-SCAN_SECOND = Contract(
-    "/second_pallet_scanner/trigger", Trigger, ("fsm", "user"), ("sim",),
-    "scan the second pallet now; the points follow; only in a cell for shifts", kind=Kind.SERVICE)
-SECOND_SCAN = Contract(
-    topics.SECOND_SCAN, PointCloud2, ("sim",), ("fsm", "recorder", "user"),
-    "the same of the scanner over the second pallet, in the frame `second_pallet_scanner`", qos=LATEST,
-    rate="on demand", recorded=True)
+SCAN_PALLET, PALLET_SCAN = scanner("pallet", topics.PALLET_SCAN, "the pallet")
+SCAN_TABLE, TABLE_SCAN = scanner("reorientation_table", topics.TABLE_SCAN, "table B")
+SCAN_PICKING, PICKING_SCAN = scanner(
+    "picking_table", topics.PICKING_SCAN, "the conveyor's barrier", is_of_shifts=True)
+SCAN_SECOND, SECOND_SCAN = scanner(
+    "second_pallet", topics.SECOND_SCAN, "the second pallet", is_of_shifts=True)
 INFEED_STATE = Contract(
     topics.INFEED_STATE, InfeedState, ("sim",), ("fsm", "recorder", "user"),
     "the box at the conveyor's barrier and what its label says; only in a cell for shifts", qos=LATCHED,
