@@ -58,7 +58,7 @@ def pursue(
         return ShiftJob(CELL, cell.catalogue, ShiftConfig(patience=20.0), MACHINE, boxes, found)
 
     with ShiftJournal(Path(goal.folder) / JOURNAL, before.facts) as journal:
-        run = ShiftGoalRun(server, CELL, before, journal, begin, cell.apply, server)  # type: ignore[arg-type]
+        run = ShiftGoalRun(server, CELL, before, journal, begin, cell.apply, server, MACHINE)  # type: ignore[arg-type]
         while not server.has_ended and run.result().placed != killed_after:
             run.step(cell.observe())
     return run.result(), server
@@ -94,6 +94,36 @@ def test_a_shift_goes_on_where_it_was_killed_though_the_clock_begins_anew(tmp_pa
     began = [event for event in events if event.kind is EventKind.BEGAN]
     assert [event.data["standing"] for event in began] == [0, 1]
     assert [event.reason for event in began] == ["", ""]
+
+
+def left_over_the_pallet(tmp_path: Path, faults: Faults) -> FakeShiftCell:
+    """A cell whose arm was left over the pallet, one box standing and one still to come."""
+    first = cell_of(2)
+    pursue(first, RunShift.Goal(folder=str(tmp_path), boxes=2), killed_after=1)
+    cell = FakeShiftCell(None, faults, stream=[Came("tea")], catalogue={"tea": TEA})
+    cell.boxes["b1"], cell.sizes["b1"] = first.boxes["b1"], first.sizes["b1"]
+    cell._infeed = first._infeed
+    cell.X_WT = Pose(cell.boxes["b1"].p + np.array([0.0, 0.0, 0.101]), cell.X_WT.q)
+    return cell
+
+
+def test_an_arm_that_hides_a_place_moves_away_before_it_is_looked_at(tmp_path: Path) -> None:
+    result, _ = pursue(
+        left_over_the_pallet(tmp_path, Faults()), RunShift.Goal(folder=str(tmp_path), resume=True)
+    )
+    assert (result.success, result.placed) == (True, 2)
+    began = [e for e in read_journal(tmp_path / JOURNAL).events if e.kind is EventKind.BEGAN]
+    assert [event.reason for event in began] == ["", ""]
+
+
+def test_an_arm_that_hides_a_place_and_finds_no_way_ends_the_goal(tmp_path: Path) -> None:
+    cell = left_over_the_pallet(tmp_path, Faults(refused=1))
+    result, _ = pursue(cell, RunShift.Goal(folder=str(tmp_path), resume=True))
+    assert not result.success
+    assert result.message == (
+        "the arm hides the pallet; bring it beside, so that the scanner sees what stands there: "
+        "the wrist would hit box 3"
+    )
 
 
 def test_a_scanner_that_does_not_answer_ends_the_goal_before_anything_moves(tmp_path: Path) -> None:

@@ -139,7 +139,9 @@ class PalletFsmNode(GoalNode):
             return ShiftJob(cell, catalogue, self._config.shift, self._config, boxes, found)
 
         with ShiftJournal(Path(request.folder) / JOURNAL, before.facts) as journal:
-            self._run = run = ShiftGoalRun(self, cell, before, journal, begin, self._cell.apply, self._states)
+            self._run = run = ShiftGoalRun(
+                self, cell, before, journal, begin, self._cell.apply, self._states, self._config
+            )
             try:
                 await self.until_goal_ends()
             finally:

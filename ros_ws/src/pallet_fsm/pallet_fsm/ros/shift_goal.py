@@ -12,7 +12,7 @@ from pack_interfaces.msg import PalletState
 from pack_core.errors import ConfigError
 from pack_core.palletizing.cell import REORIENTATION_TABLE, PalletizingCell
 from pack_core.palletizing.orders.item_list import Item
-from pack_core.palletizing.ports import Command, PalletObservation, ScanPlace
+from pack_core.palletizing.ports import Command, PalletObservation, PursueTarget, ScanPlace
 from pack_core.palletizing.shift_journal import (
     JOURNAL,
     SETTLED,
@@ -24,11 +24,14 @@ from pack_core.palletizing.shift_journal import (
 )
 from pack_core.ros.goal_node import GoalNode
 from pack_core.ros.messages.conversions import to_stamp
-from pallet_fsm.order_book import WorkItem
+from pallet_fsm.leg_runner import StepAside
+from pallet_fsm.order_book import WorkItem, standing_box
+from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.place_watch import ArmShadow
 from pallet_fsm.ros.order_goal import StatePublisher
 from pallet_fsm.shift_job import ShiftJob
 from pallet_fsm.taking_over import TakenOver, TakeOverConfig, standing_by_journal, take_over
+from pallet_fsm.transitions import Event
 
 PATIENCE = 5.0
 """Longest time until the scanners have answered before a shift that is gone on with begins [s]."""
@@ -58,33 +61,39 @@ def requested_shift(goal: RunShift.Goal, preset: str) -> WrittenShift:
 
 
 class TakeOverLook:
-    """Has the places scanned on which something must stand, and compares.
+    """Has the places scanned on which something must stand, and compares; an arm that hides one moves first.
 
     Args:
         cell: the cell's physical facts.
         standing: what must stand, by the journal.
+        config: parameters of the machine.
     """
 
-    def __init__(self, cell: PalletizingCell, standing: list[tuple[WorkItem, Item]]) -> None:
+    def __init__(
+        self, cell: PalletizingCell, standing: list[tuple[WorkItem, Item]], config: PalletizerConfig
+    ) -> None:
         self._cell, self._standing = cell, standing
         self._places = (*cell.pallets, REORIENTATION_TABLE)
         blocks = {block.name: block for block in cell.furniture}
         self._shadows = {place: ArmShadow(blocks[place], cell) for place in self._places}
+        boxes = (standing_box(work.box, work.X_WB) for work, _ in standing if work.X_WB is not None)
+        self._aside = StepAside(cell, config, tuple(boxes))
         self._asked: float | None = None
 
     def step(self, seen: PalletObservation) -> tuple[Command, ...] | TakenOver:
         """The commands of this step, and at last what stands.
 
         Raises:
-            ConfigError: the arm hides a place, or a scanner does not answer.
+            ConfigError: the arm hides a place and finds no way from there, or a scanner does not answer.
         """
         if self._asked is None:
-            for place, shadow in self._shadows.items():
-                if shadow.clearance(seen.motion.X_WT, None) <= 0.0:
-                    raise ConfigError(
-                        f"the arm hides the {place.replace('_', ' ')}; bring it beside, so that the scanner "
-                        "sees what stands there"
-                    )
+            hidden = [
+                place
+                for place, shadow in self._shadows.items()
+                if shadow.clearance(seen.motion.X_WT, None) <= 0.0
+            ]
+            if hidden or self._aside.is_moving:
+                return self._move_away(hidden, seen)
             self._asked = seen.time
             return tuple(ScanPlace(place) for place in self._places)
         scans = {scan.place: scan for scan in seen.scans if scan.time >= self._asked}
@@ -94,6 +103,18 @@ class TakeOverLook:
         if seen.time > self._asked + PATIENCE:
             raise ConfigError(f"the scanner over the {missing[0].replace('_', ' ')} does not answer")
         return ()
+
+    def _move_away(self, hidden: Sequence[str], seen: PalletObservation) -> tuple[Command, ...]:
+        outcome = self._aside.step(seen)
+        if isinstance(outcome, PursueTarget):
+            return (outcome,)
+        if outcome is None or (outcome is Event.REACHED and not hidden):
+            return ()
+        names = " and ".join(hidden).replace("_", " ")
+        raise ConfigError(
+            f"the arm hides the {names}; bring it beside, so that the scanner sees what stands there: "
+            f"{self._aside.reason or 'its safe position hides it, too'}"
+        )
 
 
 class ShiftGoalRun:
@@ -109,11 +130,13 @@ class ShiftGoalRun:
         begin: makes the job, of what stands and of how many boxes are still to come.
         apply: carries out a command.
         states: publishes the states.
+        config: parameters of the machine.
     """
 
     def __init__(
         self, node: GoalNode, cell: PalletizingCell, before: WrittenShift, journal: ShiftJournal,
         begin: Callable[[TakenOver, int], ShiftJob], apply: Callable[[Command], None], states: StatePublisher,
+        config: PalletizerConfig,
     ) -> None:  # fmt: skip
         self._node, self._cell, self._journal, self._apply = node, cell, journal, apply
         self._states, self._begin = states, begin
@@ -122,7 +145,7 @@ class ShiftGoalRun:
         self._came, self._placed, self._settled, self._failed = (set[str]() for _ in range(4))
         self._count(before.events)
         standing = standing_by_journal(before.events)
-        self._look = TakeOverLook(cell, standing) if standing else None
+        self._look = TakeOverLook(cell, standing, config) if standing else None
         self._job: ShiftJob | None = None
         self._start: float | None = None
         self._offset = self._elapsed = 0.0
