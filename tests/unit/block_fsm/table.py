@@ -46,6 +46,7 @@ class Table:
         planner: answers requests for plans.
         after: is called with the table after every retreat of the arm.
         holds: says of each closing of the fingers whether they hold something.
+        width: says of each closing how far apart the pads stand then, where they hold something [m].
         unseen: how many pictures in a row miss a block.
         sighting: what is told of a picture, from the poses.
         stuck: label of a segment at which the arm gets stuck.
@@ -58,6 +59,7 @@ class Table:
     planner: Callable[[Problem], Plan] = directly
     after: Callable[["Table"], None] = lambda table: None
     holds: Callable[[int], bool] = lambda number: True
+    width: Callable[[int], float] = lambda number: SIDE
     unseen: int = 0
     sighting: Callable[[Mapping[str, PlanarPose]], BlockSighting | NoPicture] = lambda poses: BlockSighting(
         0.0, poses
@@ -125,7 +127,8 @@ class Table:
         if opening < SIDE and opening > 0.02:
             self.closings += 1
             if self.holds(self.closings):
-                status, opening, self.held = FingerStatus.HOLDING, SIDE, self.held or self._nearest(self.tool)
+                status, opening = FingerStatus.HOLDING, self.width(self.closings)
+                self.held = self.held or self._nearest(self.tool)
             else:
                 self.held = ""
         else:

@@ -15,7 +15,7 @@ from pack_core.motion.moves import Line
 from pack_planner.rearrangement.beam.beam_planner import BeamPlanner
 from pack_planner.rearrangement.methods import RearrangementConfig
 from pack_planner.rearrangement.planning import plan
-from unit.block_fsm.table import Table, directly, staged
+from unit.block_fsm.table import SIDE, Table, directly, staged
 
 GOALS = {"a": PlanarPose(0.65, 0.0, 0.0), "b": PlanarPose(0.70, 0.0, 0.0)}
 
@@ -152,6 +152,20 @@ def test_grasps_that_never_hold_end_the_task() -> None:
     outcome = Table(scattered(), holds=lambda number: False).run(GOALS)
     assert outcome.exit_reason is ExitReason.NO_PROGRESS
     assert outcome.tally.failed_grasps == ExecutorConfig().grasps
+
+
+def test_a_block_of_another_width_is_put_back_and_named_if_it_stays_so() -> None:
+    askew = Table(scattered(), width=lambda number: SIDE + (0.02 if number == 1 else -0.001))
+    outcome = askew.run(GOALS)
+    assert outcome.success
+    assert outcome.tally.failed_grasps == 1
+    starts = scattered()
+    table = Table(scattered(), width=lambda number: 0.040)
+    outcome = table.run(GOALS)
+    assert outcome.exit_reason is ExitReason.NO_PROGRESS
+    assert "held something 40.0 mm wide where block 'a', which is 50.8 mm wide, was seen" in outcome.message
+    assert table.poses == starts
+    assert not table.held
 
 
 def test_a_block_lost_on_the_way_is_picked_up_where_it_lies() -> None:

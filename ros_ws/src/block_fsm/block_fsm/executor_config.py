@@ -50,6 +50,11 @@ class ExecutorConfig(Config):
     grasp_squeeze: PositiveFloat = Field(
         default=0.010, description="how much narrower than the block the fingers are told to close [m]"
     )
+    width_tolerance: PositiveFloat = Field(
+        default=0.003,
+        description="by which what the fingers hold may be wider or narrower than the block [m]; they press "
+        "into it by up to 1 mm",
+    )
     looks: PositiveInt = Field(default=3, description="pictures in a row in which a block may be unseen")
     grasps: PositiveInt = Field(default=3, description="failed grasps in a row that end the task")
     refusals: PositiveInt = Field(

@@ -42,7 +42,7 @@ class Tally:
         picks: blocks picked and placed.
         pushes: blocks pushed.
         plans: plans asked for.
-        failed_grasps: grasps that held nothing, or lost it.
+        failed_grasps: grasps that held nothing, lost it, or held something of another width.
         refusals: actions that the arm could not do.
         deviations: actions after which the table was not as predicted.
         disturbances: actions after which a block stood elsewhere that was not to be moved.

@@ -41,7 +41,7 @@ class Skills:
     Attributes:
         phase: what is being done.
         seen: where the blocks are, as last seen, or as they were left since.
-        failed_grasps: that held nothing, or lost it.
+        failed_grasps: that held nothing, lost it, or held something of another width.
     """
 
     def __init__(
@@ -100,8 +100,9 @@ class Skills:
         except Blocked as blocked:
             yield from self._withdraw(grip, blocked)
             return
-        if not (yield from self._hold(width)):
+        if held_instead := (yield from self._hold(action.block, width)):
             yield from self._let_go(grip, wide, action.block, action.start)
+            self._note_grasp(held_instead)
             return
         self.phase = Phase.PLACE
         carried = self._obstacles.carried(grip, action.block, action.start)
@@ -115,9 +116,9 @@ class Skills:
             yield from self._let_go(grip, wide, action.block, action.start)
             self._note_failure(ExitReason.MOTION_FAILED, str(blocked))
             return
-        if (yield from self._hold(width)):
-            self._failed_in_a_row = 0
+        held_instead = yield from self._hold(action.block, width)
         yield from self._let_go(release, wide, action.block, action.end)
+        self._note_grasp(held_instead)
 
     def _let_go(self, X_WT: Pose, opening: float, block: str, pose: PlanarPose) -> Asking:
         self.phase = Phase.RETREAT
@@ -159,14 +160,26 @@ class Skills:
         if self._failed_in_a_row >= self._config.grasps:
             raise Ended(reason, message)
 
-    def _hold(self, width: float) -> Generator[ExecutorRequest, Any, bool]:
-        """Close the fingers on a block of a width [m]; False where they hold nothing."""
+    def _hold(self, block: str, width: float) -> Generator[ExecutorRequest, Any, str]:
+        """Close the fingers on a block of a width [m]; in words what they hold instead, if they do."""
         state = yield from self._fingers(width - self._config.grasp_squeeze)
-        if state.status is FingerStatus.HOLDING:
-            return True
+        if state.status is not FingerStatus.HOLDING:
+            return f"held nothing where block '{block}' was seen"
+        if abs(state.opening - width) <= self._config.width_tolerance:
+            return ""
+        return (
+            f"held something {1e3 * state.opening:.1f} mm wide where block '{block}', which is "
+            f"{1e3 * width:.1f} mm wide, was seen: another block with its tag, or one that lies askew"
+        )
+
+    def _note_grasp(self, held_instead: str) -> None:
+        """Count a grasp that failed, once the fingers have let go; raises Ended if too many did in a row."""
+        if not held_instead:
+            self._failed_in_a_row = 0
+            return
         self.failed_grasps += 1
-        self._note_failure(ExitReason.NO_PROGRESS, f"{self._config.grasps} grasps in a row held nothing")
-        return False
+        many = f"{self._config.grasps} grasps in a row failed"
+        self._note_failure(ExitReason.NO_PROGRESS, f"{many}; the last one {held_instead}")
 
     def _move(
         self, path: Path, moved: str = "", carried: CarriedBox | None = None, *, touched: str = "",

@@ -46,7 +46,9 @@ class BlocksMeasures:
     """Actions of the first plan; no plan has fewer than `lower_bound`."""
     lower_bound: int
     plans: Annotated[int, MeasureText("plans", str, "asked for, with the last one that finds nothing to do")]
-    failed_grasps: Annotated[int, MeasureText("failed grasps", str, "held nothing, or lost it")]
+    failed_grasps: Annotated[
+        int, MeasureText("failed grasps", str, "held nothing, lost it, or held something else")
+    ]
     refusals: Annotated[
         int, MeasureText("refusals", str, "actions that the arm could not do, and that were planned around")
     ]
