@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import subprocess
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ def project_version() -> str:
     return (project_root() / "VERSION").read_text().strip()
 
 
+@cache
 def installed_versions() -> dict[str, str]:
     """The version of PackCell and of every installed package that results depend on, by name."""
     versions = {"packcell": project_version()}

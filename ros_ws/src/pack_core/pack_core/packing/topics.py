@@ -9,6 +9,7 @@ FILL_PROGRESS, FILL_RESULT = "/fill_container/progress", "/fill_container/result
 SETTLED_SAMPLES = "/placement/settled_samples"
 SIM_DESCRIPTION = "/sim/description"
 DEPTH_IMAGES = ("/depth_1/image_rect", "/depth_2/image_rect")
+DEPTH_POINTS = ("/depth_1/points", "/depth_2/points")
 DEPTH_INFOS = ("/depth_1/camera_info", "/depth_2/camera_info")
 
 JOINT_RATE = 500.0

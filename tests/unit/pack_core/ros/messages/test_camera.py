@@ -14,6 +14,7 @@ from pack_core.ros.messages.camera import (
     to_depth_image,
     to_image,
 )
+from pack_core.ros.messages.point_cloud import to_depth_cloud
 
 CAMERA = PinholeCamera.looking_down([0.5, 0.0, 1.2], focal_length(42.0, 48), 64, 48)
 PICTURE = np.arange(64 * 48 * 3, dtype=np.uint8).reshape(48, 64, 3)
@@ -54,6 +55,21 @@ def test_depths_come_back_in_whole_millimetres() -> None:
     message = to_depth_image(1.5, depth, "depth_1")
     assert (message.encoding, message.step, len(message.data)) == ("16UC1", 128, 48 * 128)
     assert from_depth_image(message, CAMERA) == pytest.approx(np.rint(1e3 * depth) / 1e3)
+
+
+def test_depths_are_points_that_the_camera_sees_at_their_pixels_and_none_where_nothing_was_measured() -> None:
+    depth = np.random.default_rng(0).uniform(0.3, 1.5, (48, 64))
+    depth[::7] = 0.0
+    message = to_depth_cloud(1.5, depth, CAMERA, "depth_1")
+    assert (message.header.frame_id, message.height, message.width, message.is_dense) == (
+        "depth_1", 48, 64, False,
+    )  # fmt: skip
+    points = np.frombuffer(message.data, dtype="<f4").reshape(48, 64, 3)
+    np.testing.assert_array_equal(np.isnan(points).all(axis=-1), depth == 0.0)
+    v, u = np.nonzero(depth)
+    assert points[v, u, 2] == pytest.approx(depth[v, u], rel=1e-6)
+    pixels = CAMERA.project(CAMERA.X_WC.apply(points[v, u].astype(float)))
+    assert pixels == pytest.approx(np.column_stack([u, v]), abs=1e-3)
 
 
 @pytest.mark.parametrize("change", [{"encoding": "32FC1"}, {"is_bigendian": 1}, {"step": 64}, {"height": 24}])

@@ -6,13 +6,13 @@ from geometry_msgs.msg import WrenchStamped
 from pack_interfaces.action import FillContainer, PackObject
 from pack_interfaces.msg import GripperState, MocapMarkers, MpcStatus, SceneState, SettledSamples
 from pack_interfaces.srv import GripperCommand, PlanFilling, PlanPlacement, PresentObject, ResetScene
-from sensor_msgs.msg import CameraInfo, Image, JointState
+from sensor_msgs.msg import CameraInfo, Image, JointState, PointCloud2
 from std_msgs.msg import String
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
 from pack_core.packing import topics
-from pack_core.ros.contracts.contract import LATCHED, LATEST, STREAM, Contract, Kind, contracts_in, hz
+from pack_core.ros.contracts.contract import LATCHED, LATEST, NEWEST, STREAM, Contract, Kind, contracts_in, hz
 from pack_core.ros.contracts.shared import SHARED
 
 # fmt: off
@@ -46,6 +46,13 @@ DEPTH_INFO_1, DEPTH_INFO_2 = (
         name, CameraInfo, ("sim",), ("perception", "recorder", "user"), "intrinsics of a depth camera",
         qos=LATCHED, rate="at reset", recorded=True)
     for name in topics.DEPTH_INFOS)
+DEPTH_POINTS_1, DEPTH_POINTS_2 = (
+    Contract(
+        name, PointCloud2, ("sim",), ("user",),
+        "the same depths as points in the frame of the camera, a row for each row of the image, not a number "
+        "where nothing was measured",
+        qos=NEWEST, rate=f"{hz(topics.DEPTH_RATE)}, while somebody listens")
+    for name in topics.DEPTH_POINTS)
 SCENE = Contract(
     topics.SCENE, SceneState, ("perception",), ("mpc", "recorder", "user"),
     "estimated pose and twist of every object, with source and age", qos=STREAM,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from array import array
 from collections.abc import Collection
 from typing import Any
 
@@ -22,7 +21,7 @@ from pack_interfaces.msg import (
 from pack_interfaces.msg import InfeedState as InfeedStateMsg
 from pack_interfaces.msg import StandingPallet as StandingPalletMsg
 from pack_interfaces.srv import PlanLayout, PlanPlace
-from sensor_msgs.msg import PointCloud2, PointField
+from sensor_msgs.msg import PointCloud2
 
 from pack_core.config import validate_config
 from pack_core.errors import MessageError
@@ -46,14 +45,9 @@ from pack_core.ros.messages.conversions import (
     to_stamp,
     to_vector,
 )
+from pack_core.ros.messages.point_cloud import POINT_FIELDS, POINT_STEP, to_point_cloud
 from pack_core.rotations import Pose
 
-POINT_FIELDS = tuple(
-    PointField(name=name, offset=4 * i, datatype=PointField.FLOAT32, count=1) for i, name in enumerate("xyz")
-)
-"""Of the points of a scan: x, y and z [m]."""
-POINT_STEP = 12
-"""Bytes of a point: three floats."""
 NEAREST_POINT = 0.1
 """No scanner measures what is nearer than this [m]."""
 MOST_POINTS = 100_000
@@ -168,20 +162,7 @@ def from_planned_box(item: LayoutBox) -> PlannedBox:
 
 def to_cloud(scan: PlaceScan) -> PointCloud2:
     """A message of a scan: its points in the frame of the scanner, in no particular order."""
-    n = len(scan.points)
-    message = PointCloud2(
-        height=1,
-        width=n,
-        fields=list(POINT_FIELDS),
-        point_step=POINT_STEP,
-        row_step=POINT_STEP * n,
-        is_dense=True,
-    )
-    message.header.stamp, message.header.frame_id = to_stamp(scan.time), scanner_frame(scan.place)
-    data = array("B")  # the only type that rclpy takes without checking every byte
-    data.frombytes(scan.points.astype("<f4").tobytes())
-    message.data = data
-    return message
+    return to_point_cloud(scan.time, scan.points, scanner_frame(scan.place))
 
 
 def from_cloud(message: PointCloud2, place: str) -> PlaceScan:

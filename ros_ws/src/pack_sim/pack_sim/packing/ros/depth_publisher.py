@@ -14,6 +14,7 @@ from pack_core.packing.depth import DepthFrame
 from pack_core.packing.model import DEPTH_CAMERAS
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.messages.camera import to_camera_info, to_depth_image
+from pack_core.ros.messages.point_cloud import to_depth_cloud
 from pack_core.ros.node import CellNode
 from pack_core.rotations import Array
 from pack_sim.camera_thread import CameraThread
@@ -80,8 +81,10 @@ class DepthPublisher:
         self._node, self._described = node, cell.depth
         images = contracts.DEPTH_IMAGE_1, contracts.DEPTH_IMAGE_2
         infos = contracts.DEPTH_INFO_1, contracts.DEPTH_INFO_2
+        clouds = contracts.DEPTH_POINTS_1, contracts.DEPTH_POINTS_2
         self._images = [node.advertise(contract) for contract in images]
         self._infos = [node.advertise(contract) for contract in infos]
+        self._clouds = [node.advertise(contract) for contract in clouds]
         self._thread: CameraThread[DepthSnapshot, DepthFrame] | None = None
         self._left_out = 0
 
@@ -107,6 +110,16 @@ class DepthPublisher:
         for frame in self._system.due(time):
             for publisher, image, name in zip(self._images, frame.images, DEPTH_CAMERAS, strict=True):
                 publisher.publish(to_depth_image(frame.time, image, name))
+            self._publish_points(frame)
+
+    def _publish_points(self, frame: DepthFrame) -> None:
+        """Publish the points of a frame where somebody listens, as no node of the cell does."""
+        cameras = self._described.cameras()
+        for publisher, image, camera, name in zip(
+            self._clouds, frame.images, cameras, DEPTH_CAMERAS, strict=True
+        ):
+            if publisher.get_subscription_count():
+                publisher.publish(to_depth_cloud(frame.time, image, camera, name))
 
     def close(self) -> None:
         """Expose no more."""
