@@ -30,6 +30,8 @@ def packages() -> list[str]:
 
 def build(output: Path) -> list[str]:
     """Write the pages; returns what pdoc could not take up, in words."""
+    for page in output.rglob("*.html"):  # of a module that may be gone
+        page.unlink()
     render.configure(docformat="google", show_source=False, footer_text=f"PackCell {version()}")
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
