@@ -48,7 +48,7 @@ lint: setup ## ruff, formatting, mypy
 	@$(IN_ENV) ruff check && ruff format --check && mypy
 
 docs: setup ## reference of the code from docstrings, with its links checked
-	@$(IN_ENV) python tools/api_reference.py site
+	@$(IN_ENV) python tools/api_reference.py
 
 lock: setup ## resolve requirements/*.in anew
 	@cd requirements && ../.venv/bin/uv pip compile -q --universal --python-version 3.11 --no-annotate \

@@ -6,6 +6,7 @@ Every module must import and every link must lead somewhere, or the exit code is
 from __future__ import annotations
 
 import re
+import shutil
 import sys
 import warnings
 from collections.abc import Iterator
@@ -30,8 +31,6 @@ def packages() -> list[str]:
 
 def build(output: Path) -> list[str]:
     """Write the pages; returns what pdoc could not take up, in words."""
-    for page in output.rglob("*.html"):  # of a module that may be gone
-        page.unlink()
     render.configure(docformat="google", show_source=False, footer_text=f"PackCell {version()}")
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -69,7 +68,8 @@ def broken_links(output: Path) -> Iterator[str]:
 
 def main() -> int:
     """Build and check; returns the exit code."""
-    output = Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "site").resolve()
+    output = ROOT / "site"
+    shutil.rmtree(output, ignore_errors=True)  # it may have pages of modules that are gone
     wrong = build(output) + list(broken_links(output))
     pages = len(list(output.rglob("*.html")))
     sys.stdout.write("".join(f"{line}\n" for line in [*wrong, f"{pages} pages: {output / 'index.html'}"]))

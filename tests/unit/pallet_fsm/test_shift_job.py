@@ -142,6 +142,24 @@ def test_a_box_in_the_hand_to_which_no_way_leads_anywhere_stops_the_arm(without_
     assert shift.cell.has_stopped
 
 
+def test_an_empty_hand_without_a_way_stops_the_arm_also_after_its_box_got_another_place(
+    without_a_way, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    without_a_way.add(PALLET)
+    apply = FakeShiftCell.apply
+
+    def refusing(cell: FakeShiftCell, command: Command) -> None:
+        if isinstance(command, PursueTarget) and not cell.grip.held:
+            cell.faults.refused = int(is_over(SECOND_PALLET, cell.boxes["b1"].p))  # it has been let go there
+        apply(cell, command)
+
+    monkeypatch.setattr(FakeShiftCell, "apply", refusing)
+    shift = run_shift([Came("tea")], [TEA])
+    assert [(event.box, event.place) for event in shift.of(EventKind.PUT_DOWN)] == [("b1", SECOND_PALLET)]
+    assert REFUSED in shift.job.reason
+    assert shift.cell.has_stopped
+
+
 def test_what_was_to_stand_on_a_box_that_goes_elsewhere_is_decided_on_anew() -> None:
     floor = ShiftFloor(CELL)
     items = [TEA.model_copy(update={"id": name}) for name in ("b1", "b2")]

@@ -10,7 +10,7 @@ from pack_core.palletizing.cell import PALLET, REORIENTATION_TABLE
 from pack_core.palletizing.shift_journal import EventKind, ShiftJournal, read_journal
 from pack_core.rotations import Pose, from_yaw, multiply
 from pallet_fsm.palletizer_config import ScanConfig
-from pallet_fsm.taking_over import TakenOver, TakeOverConfig, standing_by_journal, take_over
+from pallet_fsm.taking_over import TakenOver, standing_by_journal, take_over
 from unit.pallet_fsm.fake_shift import CELL, Came, FakeShiftCell, ShiftRunning, go_on, listed, run_shift
 from unit.pallet_fsm.test_shift_job import LARGE, LOW
 
@@ -32,7 +32,7 @@ def seen(cell: FakeShiftCell, journal: Path) -> TakenOver:
     for place in places:
         cell._scan(place)
     standing = standing_by_journal(read_journal(journal).events)
-    return take_over(standing, {place: cell.scans[place] for place in places}, CELL, TakeOverConfig())
+    return take_over(standing, {place: cell.scans[place] for place in places}, CELL, ScanConfig())
 
 
 def test_what_stands_as_the_journal_says_is_gone_on_with(interrupted) -> None:

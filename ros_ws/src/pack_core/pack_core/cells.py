@@ -40,7 +40,7 @@ PARTS = {
         "pack_core.ros.contracts.{cell}", "CONTRACTS", "the wiring table: topics, services and actions"
     ),
     "robot": CellPart(
-        "pack_core.{cell}.model", "planned_robot", "the robot as MoveIt and ros2_control are told of it"
+        "pack_core.{cell}.planned_robot", "planned_robot", "the robot as MoveIt and ros2_control know it"
     ),
     "evaluator": CellPart(
         "pack_evaluation.{cell}.evaluator", "EVALUATOR", "from one recording to its measures and report"

@@ -245,8 +245,12 @@ class Palletizer:
         may_have_moved = before in ROWS and ROWS[before].place is Place.TABLE_A  # the pad pushed it
         if fault in (State.NO_DETECTION, State.WRONG_SIZE) or may_have_moved:
             self._watch.forget()
-        if fault is State.NOT_CLEAR and before in CARRYING and self._book.finds_places:
-            self._refused, self._book.is_placing_anew = self.item.plan, True
+        if fault is State.NOT_CLEAR:
+            is_placed_anew = before in CARRYING and self._book.finds_places
+            self._refused, self._book.is_placing_anew = (
+                self.item.plan if is_placed_anew else None,
+                is_placed_anew,
+            )
         if fault is State.PLACE_CHANGED:
             self._places.note_loss()
         if fault in (State.MOTION_STUCK, State.BOX_CHANGED, State.WRONG_WEIGHT):

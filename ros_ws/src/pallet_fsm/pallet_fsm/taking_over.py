@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pack_core.config import Config
 from pack_core.palletizing.cell import REJECT_TABLE, REORIENTATION_TABLE, PalletizingCell
 from pack_core.palletizing.orders.item_list import Item, order_box
 from pack_core.palletizing.orders.layout_plan import PlannedBox
@@ -20,20 +19,13 @@ from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.palletizing.scanner import PlaceScan
 from pack_core.palletizing.shift_journal import EventKind, ShiftEvent
 from pack_core.rotations import Pose
-from pack_perception.scans.comparison import ScannedScene, ScanTolerances, compare
+from pack_perception.scans.comparison import ScannedScene, compare
 from pack_perception.scans.rays import Rays
 from pallet_fsm.order_book import WorkItem, standing_box
-from pallet_fsm.palletizer_config import SmallMoveConfig
+from pallet_fsm.palletizer_config import ScanConfig
 from pallet_fsm.place_watch import is_small, moved_pose
 from pallet_fsm.report import BoxOutcome
 from pallet_fsm.shift_floor import STRAIGHT_DOWN
-
-
-class TakeOverConfig(Config):
-    """What may have changed on a pallet that is gone on with."""
-
-    small: SmallMoveConfig = SmallMoveConfig()
-    tolerances: ScanTolerances = ScanTolerances()
 
 
 @dataclass(frozen=True)
@@ -87,7 +79,7 @@ def _standing(event: ShiftEvent) -> tuple[WorkItem, Item]:
 
 def take_over(
     boxes: list[tuple[WorkItem, Item]], scans: Mapping[str, PlaceScan], cell: PalletizingCell,
-    config: TakeOverConfig,
+    config: ScanConfig,
 ) -> TakenOver:  # fmt: skip
     """Compare what must stand with what is seen.
 
@@ -96,7 +88,7 @@ def take_over(
             changed in place.
         scans: of both pallets and of table B, by the names of the places; the arm hid nothing of them.
         cell: the cell's physical facts.
-        config: what may have changed.
+        config: what counts as a change, and what is so small that a pallet is gone on with.
     """
     blocks = {block.name: block for block in cell.furniture}
     closed, doubts, gone = set[str](), list[str](), set[str]()

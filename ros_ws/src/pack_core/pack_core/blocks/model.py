@@ -7,11 +7,10 @@ from collections.abc import Mapping
 import mujoco
 import numpy as np
 
-from pack_core.blocks.cell import BlocksCell, blocks_cell
+from pack_core.blocks.cell import BlocksCell
 from pack_core.blocks.problem import CUBES, BlockSize, BlockSizes
 from pack_core.drawing.room import Light, add_lights, add_sky, add_table, add_tiles
 from pack_core.drawing.textures import add_material, cube_faces
-from pack_core.robots.moveit import PlannedRobot
 from pack_core.robots.robotiq_2f85 import PADS, TIPS, add_robotiq_2f85
 from pack_core.robots.ur10e import LIMITS, add_motors, add_ur10e
 from pack_core.robots.urdf import DescribedRobot
@@ -165,12 +164,6 @@ def describe_robot(cell: BlocksCell) -> DescribedRobot:
     flange = add_ur10e(spec, cell.robot.base.to_pose(), contype=0, conaffinity=0)
     add_robotiq_2f85(flange, spec, pad_friction=1.0, contype=0, conaffinity=0)
     return DescribedRobot.of(spec, "ur10e", LIMITS)
-
-
-def planned_robot() -> PlannedRobot:
-    """The robot of the cell as configured, for MoveIt and ros2_control."""
-    cell = blocks_cell()
-    return PlannedRobot("ur10e", describe_robot(cell), LIMITS, tuple(cell.robot.look))
 
 
 def fixed_frames(cell: BlocksCell) -> dict[str, tuple[str, Pose]]:

@@ -14,11 +14,10 @@ import numpy as np
 from pack_core.camera import looking_at
 from pack_core.drawing.room import Light, add_lights, add_sky, add_table, add_tiles
 from pack_core.errors import ConfigError
-from pack_core.packing.cell import PackingCell, Perception, Tip, packing_cell
+from pack_core.packing.cell import PackingCell, Perception, Tip
 from pack_core.packing.scene import Container, Scene
 from pack_core.packing.scene_item import SceneItem
 from pack_core.robots.arm_drive import add_motors, add_servos, make_heavy
-from pack_core.robots.moveit import PlannedRobot
 from pack_core.robots.pump import add_pump
 from pack_core.robots.urdf import DescribedRobot
 from pack_core.rotations import Array, Pose, conjugate, multiply, rotate
@@ -313,14 +312,6 @@ def describe_robot(cell: PackingCell) -> DescribedRobot:
     arm = cell.robot.arm
     add_pump(arm.add_to(spec), cell.pump, arm.flange)
     return DescribedRobot.of(spec, arm.name, arm.limits)
-
-
-def planned_robot() -> PlannedRobot:
-    """The robot of the cell as configured, for MoveIt and ros2_control."""
-    cell = packing_cell()
-    return PlannedRobot(
-        cell.robot.arm.name, describe_robot(cell), cell.robot.arm.limits, tuple(cell.robot.home)
-    )
 
 
 DEPTH_CAMERAS = ("depth_1", "depth_2")

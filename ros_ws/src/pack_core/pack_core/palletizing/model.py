@@ -7,13 +7,12 @@ from collections.abc import Sequence
 import mujoco
 
 from pack_core.palletizing.boxes import BoxBody
-from pack_core.palletizing.cell import BoxContact, PalletizingCell, palletizing_cell
+from pack_core.palletizing.cell import BoxContact, PalletizingCell
 from pack_core.palletizing.furniture import add_belts, add_furniture, add_surroundings
 from pack_core.palletizing.scanner import scanner_frame
 from pack_core.palletizing.visitors import Visitor
 from pack_core.robots.joint_properties import Gears
 from pack_core.robots.kr210 import ARM_BITS, LIMITS, add_kr210
-from pack_core.robots.moveit import PlannedRobot
 from pack_core.robots.surface_gripper import TOOL
 from pack_core.robots.urdf import DescribedRobot
 from pack_core.rotations import Pose
@@ -132,12 +131,6 @@ def describe_robot(cell: PalletizingCell) -> DescribedRobot:
     spec.compiler.degree = False
     cell.tool.add_to(add_kr210(spec, cell.arm.X_WB, visuals=True), visuals=True)
     return DescribedRobot.of(spec, "kr210", LIMITS)
-
-
-def planned_robot() -> PlannedRobot:
-    """The robot of the cell as configured, for MoveIt and ros2_control."""
-    cell = palletizing_cell()
-    return PlannedRobot("kr210", describe_robot(cell), LIMITS, tuple(cell.arm.home))
 
 
 def fixed_frames(cell: PalletizingCell) -> dict[str, tuple[str, Pose]]:

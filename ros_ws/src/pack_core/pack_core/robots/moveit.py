@@ -6,7 +6,7 @@ of MoveIt's Setup Assistant and of ros2_control in ROS 2 Jazzy.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -36,6 +36,8 @@ STIFF = 0.02
 MOCK, MUJOCO = "mock_components/GenericSystem", "mujoco_ros2_control/MujocoSystemInterface"
 """Plugins of ros2_control for which hardware tags are made."""
 SCENE = "scene.xml"
+Pair = tuple[str, str]
+"""Names of two links."""
 
 
 @dataclass(frozen=True)
@@ -61,25 +63,22 @@ class PlannedRobot:
 
     def files(self) -> Mapping[str, str]:
         """Text of each file, by its name."""
+        unchecked = unchecked_pairs(self)
         return {
             f"{self.name}.urdf": self.described.urdf,
-            f"{self.name}.srdf": srdf(self),
+            f"{self.name}.srdf": srdf(self, unchecked),
             "kinematics.yaml": _yaml(kinematics()),
             "joint_limits.yaml": _yaml(joint_limits(self.limits)),
             "moveit_controllers.yaml": _yaml(moveit_controllers(self.limits)),
             "ros2_controllers.yaml": _yaml(ros2_controllers(self.limits)),
             f"{self.name}_mock.urdf": with_hardware(self, MOCK, {"calculate_dynamics": "true"}),
             f"{self.name}_mujoco.urdf": with_hardware(self, MUJOCO, {"mujoco_model": SCENE}),
-            SCENE: mujoco_scene(self),
+            SCENE: mujoco_scene(self, unchecked),
         }
 
 
-def srdf(robot: PlannedRobot) -> str:
-    """Groups, the posture `home`, the tool as end effector, and pairs of links that need no check.
-
-    A pair is left out if one link hangs on the other, if they touch at home, or if they stay more than
-    `APART` from each other at all of `POSTURES` random postures.
-    """
+def srdf(robot: PlannedRobot, unchecked: Mapping[Pair, str]) -> str:
+    """Groups, the posture `home`, the tool as end effector, and pairs of links that need no check."""
     root = Element("robot", name=robot.name)
     arm = SubElement(root, "group", name=GROUP)
     SubElement(arm, "chain", base_link=robot.described.links[0], tip_link=TOOL)
@@ -91,13 +90,17 @@ def srdf(robot: PlannedRobot) -> str:
     home = SubElement(root, "group_state", name="home", group=GROUP)
     for joint, position in zip(robot.limits.names, robot.home, strict=True):
         SubElement(home, "joint", name=joint, value=f"{position:.9g}")
-    for (one, other), reason in sorted(unchecked_pairs(robot).items()):
+    for (one, other), reason in sorted(unchecked.items()):
         SubElement(root, "disable_collisions", link1=one, link2=other, reason=reason)
     return _xml(root)
 
 
-def unchecked_pairs(robot: PlannedRobot) -> dict[tuple[str, str], str]:
-    """Pairs of links that need no check, with the reason as MoveIt's Setup Assistant calls it."""
+def unchecked_pairs(robot: PlannedRobot) -> dict[Pair, str]:
+    """Pairs of links that need no check, with the reason as MoveIt's Setup Assistant calls it.
+
+    One link hangs on the other, they touch at home, or they stay more than `APART` from each other at all
+    of `POSTURES` random postures.
+    """
     model, data = robot.described.model, mujoco.MjData(robot.described.model)
     geoms = _geoms_of(model, robot.described.links)
     shaped = [link for link in robot.described.links if geoms[link]]
@@ -204,7 +207,7 @@ def with_hardware(robot: PlannedRobot, plugin: str, parameters: Mapping[str, str
     return _xml(root)
 
 
-def mujoco_scene(robot: PlannedRobot) -> str:
+def mujoco_scene(robot: PlannedRobot, unchecked: Collection[Pair]) -> str:
     """The URDF as a model of MuJoCo with a position servo for each joint of the arm, and home as a keyframe.
 
     A servo gives by `STIFF` under the joint's largest torque, and is damped critically at home. What the URDF
@@ -216,7 +219,7 @@ def mujoco_scene(robot: PlannedRobot) -> str:
     plain = robot.described.model
     for joint in robot.described.joints:
         spec.joint(joint).armature = plain.dof_armature[plain.joint(joint).dofadr[0]]
-    for one, other in sorted(unchecked_pairs(robot)):
+    for one, other in sorted(unchecked):
         spec.add_exclude(bodyname1=one, bodyname2=other)
     rows = zip(robot.limits.names, robot.limits.effort, robot.limits.lower, robot.limits.upper, strict=True)
     for name, effort, lower, upper in rows:
@@ -253,7 +256,7 @@ def _put(model: mujoco.MjModel, data: mujoco.MjData, robot: PlannedRobot, q: Arr
 
 
 def _distance(
-    model: mujoco.MjModel, data: mujoco.MjData, geoms: Mapping[str, list[int]], pair: tuple[str, str]
+    model: mujoco.MjModel, data: mujoco.MjData, geoms: Mapping[str, list[int]], pair: Pair
 ) -> float:
     """Least distance of two links [m], at most `FAR`; not above 0 where they touch."""
     one, other = pair
@@ -261,7 +264,7 @@ def _distance(
     return float(min(mujoco.mj_geomDistance(model, data, a, b, FAR, None) for a, b in pairs))
 
 
-def _is_adjacent(model: mujoco.MjModel, pair: tuple[str, str], shaped: list[str]) -> bool:
+def _is_adjacent(model: mujoco.MjModel, pair: Pair, shaped: list[str]) -> bool:
     """Whether one hangs on the other, with nothing in between but links without a shape."""
     for one, other in (pair, pair[::-1]):
         body = model.body(one).parentid[0]

@@ -24,8 +24,9 @@ from pack_planner.layout.online_planner import OnlineConfig
 from pack_planner.layout.place_answers import PlaceAnswers
 from pack_sim.palletizing.arrivals import ArrivalConfig, Arrivals, BoxFault
 from pallet_fsm.goals import warm_up
+from pallet_fsm.palletizer_config import ScanConfig
 from pallet_fsm.shift_job import ShiftConfig, ShiftJob
-from pallet_fsm.taking_over import TakenOver, TakeOverConfig, standing_by_journal, take_over
+from pallet_fsm.taking_over import TakenOver, standing_by_journal, take_over
 
 DETECTIONS = 12
 """Stream of random numbers of the noise of detections."""
@@ -128,14 +129,14 @@ class ShiftLockstep:
             setup.shift,
             config.palletizer,
             boxes - len(settled),
-            self._taken_over(before),
+            self._taken_over(before, config.palletizer.scans),
         )
         self._planner = PlaceAnswers(stream.cell, stream.config, stream.insertion)
         self._answer: tuple[float, PlaceAnswer] | None = None
         self._decisions: list[float] = []
         self._pallets: list[ClosedPallet] = []
 
-    def _taken_over(self, before: Sequence[ShiftEvent]) -> TakenOver:
+    def _taken_over(self, before: Sequence[ShiftEvent], config: ScanConfig) -> TakenOver:
         """What the journal says is put into the simulated cell; what is seen of it then."""
         standing = standing_by_journal(before)
         if not standing:
@@ -143,7 +144,7 @@ class ShiftLockstep:
         for work, _ in standing:
             self.stepped.simulator.spawn(BoxBody(work.name, work.box.dims, work.box.weight), work.X_WB)
         scans = {place: self.stepped.scan(place) for place in (*self._cell.pallets, REORIENTATION_TABLE)}
-        return take_over(standing, scans, self._cell, TakeOverConfig())
+        return take_over(standing, scans, self._cell, config)
 
     def run(self, on_events: Callable[[tuple[ShiftEvent, ...]], None] = lambda events: None) -> ShiftRun:
         """Run to the end.

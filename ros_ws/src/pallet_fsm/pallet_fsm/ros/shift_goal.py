@@ -24,13 +24,13 @@ from pack_core.palletizing.shift_journal import (
 )
 from pack_core.ros.goal_node import GoalNode
 from pack_core.ros.messages.conversions import to_stamp
-from pallet_fsm.leg_runner import StepAside
 from pallet_fsm.order_book import WorkItem, standing_box
 from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.place_watch import ArmShadow
 from pallet_fsm.ros.order_goal import StatePublisher
 from pallet_fsm.shift_job import ShiftJob
-from pallet_fsm.taking_over import TakenOver, TakeOverConfig, standing_by_journal, take_over
+from pallet_fsm.step_aside import StepAside
+from pallet_fsm.taking_over import TakenOver, standing_by_journal, take_over
 from pallet_fsm.transitions import Event
 
 PATIENCE = 5.0
@@ -72,7 +72,7 @@ class TakeOverLook:
     def __init__(
         self, cell: PalletizingCell, standing: list[tuple[WorkItem, Item]], config: PalletizerConfig
     ) -> None:
-        self._cell, self._standing = cell, standing
+        self._cell, self._standing, self._scans = cell, standing, config.scans
         self._places = (*cell.pallets, REORIENTATION_TABLE)
         blocks = {block.name: block for block in cell.furniture}
         self._shadows = {place: ArmShadow(blocks[place], cell) for place in self._places}
@@ -99,7 +99,7 @@ class TakeOverLook:
         scans = {scan.place: scan for scan in seen.scans if scan.time >= self._asked}
         missing = [place for place in self._places if place not in scans]
         if not missing:
-            return take_over(self._standing, scans, self._cell, TakeOverConfig())
+            return take_over(self._standing, scans, self._cell, self._scans)
         if seen.time > self._asked + PATIENCE:
             raise ConfigError(f"the scanner over the {missing[0].replace('_', ' ')} does not answer")
         return ()

@@ -12,7 +12,7 @@ from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
 from pack_core.packing import topics
-from pack_core.ros.contracts.contract import LATCHED, LATEST, NEWEST, STREAM, Contract, Kind, contracts_in, hz
+from pack_core.ros.contracts.contract import LATCHED, LATEST, STREAM, Contract, Kind, contracts_in, hz
 from pack_core.ros.contracts.shared import SHARED
 
 # fmt: off
@@ -51,7 +51,7 @@ DEPTH_POINTS_1, DEPTH_POINTS_2 = (
         name, PointCloud2, ("sim",), ("user",),
         "the same depths as points in the frame of the camera, a row for each row of the image, not a number "
         "where nothing was measured",
-        qos=NEWEST, rate=f"{hz(topics.DEPTH_RATE)}, while somebody listens")
+        qos=LATEST, rate=f"{hz(topics.DEPTH_RATE)}, while somebody listens")
     for name in topics.DEPTH_POINTS)
 SCENE = Contract(
     topics.SCENE, SceneState, ("perception",), ("mpc", "recorder", "user"),

@@ -79,6 +79,7 @@ class DepthPublisher:
 
     def __init__(self, node: CellNode, cell: PackingCell) -> None:
         self._node, self._described = node, cell.depth
+        self._cameras = cell.depth.cameras()
         images = contracts.DEPTH_IMAGE_1, contracts.DEPTH_IMAGE_2
         infos = contracts.DEPTH_INFO_1, contracts.DEPTH_INFO_2
         clouds = contracts.DEPTH_POINTS_1, contracts.DEPTH_POINTS_2
@@ -92,7 +93,7 @@ class DepthPublisher:
         """Begin anew with other errors, those of a seed, at `time` [s]."""
         self.close()
         self._system = DepthCameraSystem(self._described, np.random.default_rng([seed, 2]))
-        for info, camera, frame in zip(self._infos, self._described.cameras(), DEPTH_CAMERAS, strict=True):
+        for info, camera, frame in zip(self._infos, self._cameras, DEPTH_CAMERAS, strict=True):
             info.publish(to_camera_info(time, camera, frame))
         deliver = self._system.deliver
         self._thread = CameraThread(
@@ -114,9 +115,8 @@ class DepthPublisher:
 
     def _publish_points(self, frame: DepthFrame) -> None:
         """Publish the points of a frame where somebody listens, as no node of the cell does."""
-        cameras = self._described.cameras()
         for publisher, image, camera, name in zip(
-            self._clouds, frame.images, cameras, DEPTH_CAMERAS, strict=True
+            self._clouds, frame.images, self._cameras, DEPTH_CAMERAS, strict=True
         ):
             if publisher.get_subscription_count():
                 publisher.publish(to_depth_cloud(frame.time, image, camera, name))

@@ -1,0 +1,15 @@
+"""The cell's robot as MoveIt and ros2_control are told of it."""
+
+from __future__ import annotations
+
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.model import describe_robot
+from pack_core.robots.moveit import PlannedRobot
+
+
+def planned_robot() -> PlannedRobot:
+    """The robot of the cell as configured, for MoveIt and ros2_control."""
+    cell = packing_cell()
+    return PlannedRobot(
+        cell.robot.arm.name, describe_robot(cell), cell.robot.arm.limits, tuple(cell.robot.home)
+    )
