@@ -11,6 +11,7 @@ import typer
 
 from pack_bringup.cli import (
     bag,
+    calibrate,
     cells,
     driver,
     evaluate,
@@ -56,6 +57,7 @@ app = typer.Typer(
 )
 for command in (
     cells,
+    calibrate,
     evaluate,
     results,
     bag,

@@ -31,6 +31,7 @@ from pack_bringup.cli.options import (
 )
 from pack_bringup.cli.outputs import command_line
 from pack_bringup.cli.pursue import run_goal, run_live
+from pack_bringup.packing import calibration  # noqa: F401, adds `pack calibrate packing`
 from pack_bringup.recording.run_record import default_folder
 from pack_core.errors import ConfigError
 from pack_core.packing.goals import FillMethod, PackingMethod

@@ -218,3 +218,26 @@ def preset_overrides(name: str) -> dict[str, dict[str, str]]:
     facts = {"cell": yaml_line(yaml_line(preset.cell))} if preset.cell else {}
     nodes = {node: {**facts, **flat_parameters(getattr(preset, node))} for node in NODES}
     return {**nodes, RECORDER: {"preset": yaml_line(name)}}
+
+
+def calibration_overrides(preset: str, file: Path) -> dict[str, dict[str, str]]:
+    """What a calibration changes, by node and parameter, as YAML text.
+
+    Args:
+        preset: what the cell is like; empty: the configuration files as they are.
+        file: what `pack calibrate packing` has written.
+
+    Raises:
+        ConfigError: the file cannot be read, was made under another preset, or is of other cameras.
+    """
+    from pack_core.packing.depth_calibration import load_depth_calibration
+    from pack_lockstep.packing.lockstep_config import load_preset
+
+    found = load_depth_calibration(file)
+    if found.preset != preset:
+        raise ConfigError(
+            f"{file}: made under preset '{found.preset}', and this cell has '{preset}'; give "
+            f"--preset {found.preset}, or a file of pack calibrate packing --preset {preset or 'installed'}"
+        )
+    found.applied(load_preset(preset).packing_cell().depth)
+    return {"perception": {"calibration": json.dumps(str(file.resolve()))}}

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
+from pack_bringup.cli.calibrate import cells
 from pack_bringup.cli.outputs import make_output_folder
 from pack_bringup.cli.pursue import run_goal
 from pack_bringup.cli.terminal import notice, show_table
@@ -24,14 +25,6 @@ if TYPE_CHECKING:
     from pack_lockstep.palletizing.benchmark import PalletSetup
 
 VIDEO = "calibration.mp4"
-app = typer.Typer()
-cells = typer.Typer(no_args_is_help=True, help="Find out where everything in a cell is, with what it has.")
-app.add_typer(cells, name="calibrate")
-
-
-@cells.callback()
-def calibrate() -> None:
-    """Calibrate a cell."""
 
 
 @cells.command()

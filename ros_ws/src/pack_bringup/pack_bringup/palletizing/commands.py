@@ -396,5 +396,5 @@ def layout(
         typer.echo(str(json_file))
 
 
-APPS = (calibration.app, app, order_command.app)
+APPS = (app, order_command.app)
 """Commands of `pack` that only the palletizing cell has."""

@@ -7,8 +7,11 @@ fitted to the points that are near where it is expected.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from pack_core.camera import PinholeCamera
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.depth import DepthFrame, points_of
 from pack_core.packing.scene import Scene
@@ -38,14 +41,18 @@ class DepthEstimator(HandOverEstimator):
         scene: container, held object and, where they are described, the objects in the container.
         cell: the cell's physical facts.
         config: gains and limits, and parameters of looks and fits.
+        cameras: where the cameras hang, as a calibration has found it; None: as the cell describes it.
 
     Attributes:
-        misplaced: how far off each camera is that hangs elsewhere than described, in words, by its place in
+        misplaced: how far off each camera is that hangs elsewhere than was told, in words, by its place in
             the list. Nothing is looked for while there are any.
     """
 
-    def __init__(self, scene: Scene, cell: PackingCell, config: PerceptionConfig) -> None:
-        self._depth, self._described = config.depth, cell.depth.cameras()
+    def __init__(
+        self, scene: Scene, cell: PackingCell, config: PerceptionConfig,
+        cameras: Sequence[PinholeCamera] | None = None,
+    ) -> None:  # fmt: skip
+        self._depth, self._described = config.depth, cameras or cell.depth.cameras()
         self._cameras = [*self._described]
         self.misplaced: dict[int, str] = {}
         self._needs_look = True

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 from sensor_msgs.msg import CameraInfo, Image
@@ -12,6 +13,7 @@ from pack_core.camera import PinholeCamera
 from pack_core.errors import MessageError
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.depth import DepthFrame, FramePairing
+from pack_core.packing.depth_calibration import load_depth_calibration
 from pack_core.packing.model import DEPTH_CAMERAS
 from pack_core.packing.scene import Scene
 from pack_core.ros.clock import StampCheck
@@ -19,6 +21,7 @@ from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.messages.camera import from_camera_info, from_depth_image
 from pack_core.ros.messages.conversions import from_stamp
 from pack_core.ros.node import CellNode
+from pack_core.ros.params import read_only
 from pack_core.ros.stream import Stream
 from pack_core.rotations import Array
 from pack_perception.depth.depth_estimator import DepthEstimator
@@ -50,7 +53,9 @@ class DepthSource:
     def __init__(self, node: CellNode, cell: PackingCell, config: PerceptionConfig) -> None:
         self._node, self._cell, self._config = node, cell, config
         self._stamps = StampCheck(node)
-        self._cameras = cell.depth.cameras()
+        told = node.declare_parameter("calibration", "", read_only("file of pack calibrate packing")).value
+        described = cell.depth
+        self._cameras = load_depth_calibration(Path(told)).applied(described) if told else described.cameras()
         self._measured: dict[int, float] = {}
         self._has_info = [False] * len(self._cameras)
         self.streams = tuple(Stream(node, contract) for contract in IMAGES)
@@ -64,7 +69,7 @@ class DepthSource:
     def begin(self, scene: Scene) -> HandOverEstimator:
         """The estimate of a scene that was told."""
         self._pairing = FramePairing(len(self._cameras))
-        estimator = DepthEstimator(scene, self._cell, self._config)
+        estimator = DepthEstimator(scene, self._cell, self._config, self._cameras)
         self._describe(estimator)
         return estimator
 
@@ -104,7 +109,8 @@ class DepthSource:
     def _moved(self, estimator: DepthEstimator) -> str:
         """Cameras that hang elsewhere than described, in words."""
         off = [f"{DEPTH_CAMERAS[i]} is off by {words}" for i, words in estimator.misplaced.items()]
-        return f"{', '.join(off)}: hang it, or describe it in config/cells/packing.yaml" if off else ""
+        cure = "calibrate the cell (pack calibrate packing), or hang it as config/cells/packing.yaml says"
+        return f"{', '.join(off)}: {cure}" if off else ""
 
     def _describe(self, estimator: DepthEstimator) -> None:
         if estimator.knows_objects and estimator.scene is not self._described:
