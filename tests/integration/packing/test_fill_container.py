@@ -51,17 +51,21 @@ def test_objects_are_picked_up_packed_and_let_go_beside_each_other() -> None:
 
 
 @pytest.mark.long
-def test_the_nodes_fill_a_container_and_report_every_object(graph: Graph, tmp_path: Path) -> None:
+@pytest.mark.timeout(400)
+@pytest.mark.parametrize(("preset", "factor"), [("", FACTOR), ("unknown", 0.2)])
+def test_the_nodes_fill_a_container_and_report_every_object(
+    graph: Graph, tmp_path: Path, preset: str, factor: float
+) -> None:
     start = tmp_path / "start.yaml"
     start.write_text(LIST.start(packing_cell()).to_yaml())
-    cell, feedback = Cell(graph, FACTOR, start), []
+    cell, feedback = Cell(graph, factor, start, preset=preset), []
     text = yaml.safe_dump(LIST.model_dump(mode="json", exclude_none=True))
     handle = graph.send_goal(
         contracts.FILL_CONTAINER, FillContainer.Goal(list=text, seed=3),
         feedback=lambda message: feedback.append(message.feedback),
     )  # fmt: skip
     graph.probe.listen(contracts.FILL_PROGRESS)
-    result = graph.result_of(handle, timeout=200.0)
+    result = graph.result_of(handle, timeout=300.0)
     assert (result.exit_reason, result.packed, result.given) == ("done", 2, 3), result.report
     assert not result.success
     assert result.base_area > 0.1

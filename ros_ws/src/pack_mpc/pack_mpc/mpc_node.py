@@ -11,7 +11,6 @@ from std_msgs.msg import String
 
 from pack_core.errors import PackError
 from pack_core.joints import Setpoints, hold
-from pack_core.packing.cell import Perception
 from pack_core.packing.goals import PackingExitReason
 from pack_core.packing.load_shedding import GivenUp, LoadShedding
 from pack_core.packing.scene import Scene
@@ -87,8 +86,6 @@ class MpcNode(GoalNode):
 
     def refusal(self, request: PackObject.Goal | FillContainer.Goal) -> str:
         if isinstance(request, FillContainer.Goal):
-            if self._cell.perception is Perception.DEPTH:
-                return "lists are packed with motion capture alone, `perception: mocap` of the cell"
             return self._fills.refusal(request, self._scene, self._mailbox)
         return self.waits_for or refusal_of(request)
 

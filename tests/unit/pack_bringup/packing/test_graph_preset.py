@@ -68,8 +68,6 @@ def test_depth_cameras_reach_simulator_and_perception() -> None:
         assert packing_cell(cell).perception is Perception.DEPTH
 
 
-def test_a_list_is_refused_with_depth_cameras_before_anything_starts(tmp_path: Path) -> None:
-    folder = tmp_path / "run"
-    with pytest.raises(ConfigError, match="'unknown' with --fill; allowed: presets with motion capture"):
-        packing_fill_job(0, None, folder=folder, preset="unknown", real_time_factor=None, command="")
-    assert not folder.exists()
+def test_a_list_is_packed_with_depth_cameras_as_well(tmp_path: Path) -> None:
+    job = packing_fill_job(0, None, folder=tmp_path, preset="unknown", real_time_factor=None, command="")
+    assert value_of(job.overrides(), "perception", "depth.objects") == "unknown"

@@ -11,6 +11,7 @@ from pack_core.errors import ConfigError
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.depth import DepthFrame
 from pack_core.packing.goals import FillMethod
+from pack_core.packing.packing_list import handed_over
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose, from_yaw
 from pack_core.states import Source
@@ -20,6 +21,7 @@ from pack_evaluation.packing.run_file import load_saved_run, save_run
 from pack_evaluation.packing.seen_objects import figures, perception_errors, with_true_names
 from pack_evaluation.track import Track
 from pack_lockstep.packing.benchmark import fill_setup
+from pack_lockstep.packing.depth_fill import ContentLook, DepthFillBenchmark, depth_fill_setup
 from pack_lockstep.packing.lockstep import LockstepCell
 from pack_lockstep.packing.lockstep_config import load_preset, lockstep_config
 from pack_lockstep.packing.settings import BenchmarkSettings, set_up
@@ -213,6 +215,30 @@ def test_depth_cameras_decide_no_result_with_markers() -> None:
     assert by_depth["cell"]["depth"]["rate"] == CELL.depth.rate
 
 
-def test_a_list_is_not_packed_by_depth() -> None:
+def test_what_is_handed_over_stands_where_announced_and_what_was_seen_stays() -> None:
+    cell = fresh("unknown")
+    estimator, before = cell.estimator, cell.known_scene
+    assert isinstance(estimator, DepthEstimator)
+    told = handed_over(CELL.scene.new_object.model_copy(update={"name": "next"}), CELL)
+    estimator.change_scene(CELL.scene.with_next(told, keep=False))
+    assert estimator.scene.names == before.names  # the object before hangs over the container
+    assert told.pose is not None
+    np.testing.assert_allclose(estimator.state(estimator.time).objects["next"].X_WO.p, told.pose.position)
+
+    # the next look, with the arm's object beside the container, goes on with what is known
+    assert estimator.take_hold() is not None
+    assert not estimator.knows_objects
+    cell.advance(0.15)
+    assert estimator.knows_objects
+    assert estimator.scene.names == before.names
+
+
+def test_a_list_without_markers_has_a_benchmark_of_its_own() -> None:
     with pytest.raises(ConfigError, match="'unknown' with --fill; allowed: presets with motion capture"):
         fill_setup(FillMethod.CONTACT, "unknown", 1)
+    setup = depth_fill_setup(FillMethod.CONTACT, "unknown", 1)
+    settings = DepthFillBenchmark(setup, ()).settings()
+    assert ContentLook(3, 3, 3).is_right
+    assert not ContentLook(3, 4, 3).is_right
+    assert settings["config"]["estimator"]["depth"]["objects"] == "unknown"
+    assert settings["cell"]["depth"]["rate"] == CELL.depth.rate

@@ -9,6 +9,7 @@ from pack_perception.depth.surface_fit import (
     ConvexSurface,
     assigned,
     fit_surface,
+    still_there,
     which_is_where,
 )
 from pack_perception.perception_config import SurfaceFitConfig
@@ -55,6 +56,22 @@ def test_points_that_belong_to_something_else_hardly_count() -> None:
     points = np.vstack([surface_points(BOX, true, rng), others])
     found = fit_surface(ConvexSurface.of(BOX), points, row(true), CONFIG)
     assert found[:3] == pytest.approx(true.p, abs=0.0007)
+
+
+def test_bodies_side_by_side_are_still_there_until_a_surface_is_seen_within_them() -> None:
+    rng, surface = np.random.default_rng(3), ConvexSurface.of(BOX)
+    left, right = (Pose(np.array([x, 0.0, 0.065])) for x in (0.5, 0.5 + BOX.size[0]))
+    can = Pose(np.array([0.5, 0.1, 0.055]))
+    of_left, of_can = surface_points(BOX, left, rng), surface_points(CAN, can, rng)
+    poses = np.stack([row(left), row(right)])
+    # nothing is seen of the right one, which says nothing against it
+    there, rest = still_there(np.vstack([of_left, of_can]), [surface, surface], poses, CONFIG.reach)
+    assert there.tolist() == [True, True]
+    assert rest == pytest.approx(of_can)
+    behind = right.apply(rng.uniform(-0.01, 0.01, (50, 3)))
+    there, rest = still_there(np.vstack([of_left, behind]), [surface, surface], poses, CONFIG.reach)
+    assert there.tolist() == [True, False]
+    assert rest == pytest.approx(behind)
 
 
 def test_what_the_points_leave_open_stays_as_expected() -> None:

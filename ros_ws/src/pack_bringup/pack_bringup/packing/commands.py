@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -36,6 +36,9 @@ from pack_bringup.recording.run_record import default_folder
 from pack_core.errors import ConfigError
 from pack_core.packing.goals import FillMethod, PackingMethod
 from pack_mpc.optimizers import OPTIMIZERS
+
+if TYPE_CHECKING:
+    from pack_lockstep.packing.benchmark import PackingFillBenchmark
 
 Seed = Annotated[
     int,
@@ -160,6 +163,21 @@ def demo(
     run_live(job, video=video, domain=domain, page=page_process("packing", live, port))
 
 
+def _filling(places: FillMethod, preset: str, threads: int, seed: int, lists: int) -> PackingFillBenchmark:
+    """The benchmark of lists; without markers it needs modules that one with markers never loads."""
+    from pack_core.packing.cell import Perception
+    from pack_lockstep.packing.benchmark import PackingFillBenchmark, fill_setup, list_jobs
+    from pack_lockstep.packing.lockstep_config import load_preset
+
+    if load_preset(preset).packing_cell().perception is Perception.DEPTH:
+        from pack_lockstep.packing.depth_fill import DepthFillBenchmark, depth_fill_setup
+
+        setup = depth_fill_setup(places, preset, threads)
+        return DepthFillBenchmark(setup, list_jobs(seed, lists, setup.cell))
+    setup = fill_setup(places, preset, threads)
+    return PackingFillBenchmark(setup, list_jobs(seed, lists, setup.cell))
+
+
 def benchmark(
     scenes: Annotated[int, typer.Option(min=1, help="Number of scenes.")] = 10,
     seed: Annotated[
@@ -233,6 +251,7 @@ def benchmark(
     - `pack benchmark packing --scenes 50 --seed 1000 --container 0.24x0.19`
     - `pack benchmark packing --scenes 20 --seed 1000 --preset objects_20 --no-blocked`
     - `pack benchmark packing --fill --scenes 50 --seed 3000 --json fill.json`
+    - `pack benchmark packing --fill --preset unknown --scenes 6 --seed 500`, filled by what depth cameras see
     - `pack evaluate bags/benchmarks/*` puts the results of several benchmarks side by side
     """
     from pack_core.config import validate_config
@@ -253,10 +272,7 @@ def benchmark(
                 f"{', '.join(given_too)} beside --fill; allowed: --places, --preset, --scenes, --seed, and "
                 "the options of every benchmark; the rest is for scenes"
             )
-        from pack_lockstep.packing.benchmark import PackingFillBenchmark, fill_setup, list_jobs
-
-        filling = fill_setup(places, preset, cores_each)
-        run(PackingFillBenchmark(filling, list_jobs(seed, scenes, filling.cell)), options)
+        run(_filling(places, preset, cores_each, seed, scenes), options)
         return
     given = {
         "method": method, "optimizer": optimizer, "weights": weights, "preset": preset,

@@ -11,7 +11,7 @@ from pack_bringup.graph.graph import conditions, flat_parameters, yaml_line
 from pack_bringup.job import Progress, recorder_parameters
 from pack_core.config import merged
 from pack_core.errors import ConfigError
-from pack_core.packing.cell import PackingCell, Perception
+from pack_core.packing.cell import PackingCell
 from pack_core.packing.packing_list import PackingList, load_list, parse_list, supermarket_list
 
 if TYPE_CHECKING:
@@ -187,8 +187,6 @@ def packing_fill_job(
     from pack_lockstep.packing.lockstep_config import PackingPreset, load_preset
 
     cell = (load_preset(preset) if preset else PackingPreset()).packing_cell()
-    if cell.perception is Perception.DEPTH:
-        raise ConfigError(f"preset '{preset}' with --fill; allowed: presets with motion capture")
     listed = wanted_list(seed, given, cell)
     folder.mkdir(parents=True, exist_ok=True)
     start = folder / START

@@ -12,7 +12,7 @@ from pack_interfaces.action import FillContainer
 from std_msgs.msg import String
 
 from pack_core.joints import hold
-from pack_core.packing.cell import PackingCell
+from pack_core.packing.cell import PackingCell, Perception
 from pack_core.packing.free_space import Fill
 from pack_core.packing.goals import FillMethod, PackingExitReason, PackingMethod
 from pack_core.packing.packing_list import PackingList, parse_list
@@ -150,7 +150,10 @@ class FillGoal:
 
     def _pack(self, request: Pack) -> Steps[Packed]:
         """Run a packing goal, of which every turn is made, to its outcome."""
-        scene = self._scene().gripped(request.grip)
+        if self._cell.perception is Perception.DEPTH:
+            yield from self._requests.look()
+        self.job.scene = self._scene()
+        scene = self.job.scene.gripped(request.grip)
         self._placements.start(self._requests.next_seed(), self._method.placement_variant, request.X_WN)
         config = self._config.of_goals()
         session = PackingSession(scene, self._cell, config, PackingMethod.PACK_IT_IN, self._stepped)

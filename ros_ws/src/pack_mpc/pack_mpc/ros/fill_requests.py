@@ -141,14 +141,19 @@ class FillRequests:
         yield from wait(is_described, float("inf"), self._time)
         return Presented(self._scene())
 
+    def look(self) -> Steps[None]:
+        """Wait until depth cameras have looked into the container; perception tells nothing before."""
+        start = self._time()
+        yield from wait(lambda: self._is_seen() and self.seen.scene.time > start, SIGHT_TIME, self._time)
+
+    def _is_seen(self) -> bool:
+        """Whether all described objects have been seen."""
+        described = self._scene()
+        return {*described.names, described.new_object.name} == set(self.seen.scene.objects)
+
     def _judge(self) -> Steps[object]:
         """Ask once the object has been seen; one that is not will be looked for."""
-
-        def is_seen() -> bool:
-            described = self._scene()
-            return {*described.names, described.new_object.name} == set(self.seen.scene.objects)
-
-        if not (yield from wait(is_seen, SIGHT_TIME, self._time)):
+        if not (yield from wait(self._is_seen, SIGHT_TIME, self._time)):
             return ""
         scene = to_scene(self.seen.scene)
         request = PlanPlacement.Request(scene=scene, variant=JUDGED_BY, seed=self.next_seed())

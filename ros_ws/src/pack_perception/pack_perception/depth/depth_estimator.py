@@ -14,6 +14,8 @@ import numpy as np
 from pack_core.camera import PinholeCamera
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.depth import DepthFrame, points_of
+from pack_core.packing.free_space import is_packed
+from pack_core.packing.objects import ObjectModel
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose
 from pack_perception.depth.look import look_at, off_container, scene_points
@@ -23,6 +25,7 @@ from pack_perception.depth.surface_fit import (
     ConvexSurface,
     assigned,
     fit_surface,
+    still_there,
     which_is_where,
 )
 from pack_perception.mocap.guided_cell import GuidedCell
@@ -32,6 +35,8 @@ from pack_perception.perception_config import Objects, PerceptionConfig
 
 BELOW_HELD = 0.01
 """What is nearer to the lower end of the held object, or higher, is no content of the container [m]."""
+BESIDE = 0.03
+"""From the container's walls; a new object farther away hides nothing in it [m]."""
 
 
 class DepthEstimator(HandOverEstimator):
@@ -55,7 +60,7 @@ class DepthEstimator(HandOverEstimator):
         self._depth, self._described = config.depth, cameras or cell.depth.cameras()
         self._cameras = [*self._described]
         self.misplaced: dict[int, str] = {}
-        self._needs_look = True
+        self._needs_look, self._numbered = True, 0
         is_known = self._depth.objects is Objects.DESCRIBED
         super().__init__(scene if is_known else scene.model_copy(update={"objects": []}), cell, config)
 
@@ -76,9 +81,51 @@ class DepthEstimator(HandOverEstimator):
         # with other objects the history begins anew, so that this frame has nothing more to correct
         return self._track(frame) if self._history.covers(frame.time) else Correction()
 
+    def change_scene(self, scene: Scene) -> None:
+        """Go on with other objects, as `HandOverEstimator` does; one that is handed over is where announced.
+
+        The cameras see the hand-over place at the edge of a picture at most: how the object hangs is seen
+        once it is over the container. Where nobody describes what is in there, what was seen of it stays, and
+        the object before joins it if it was let go there; only that it is empty is believed.
+        """
+        last = self._scene.new_object.name
+        is_next = scene.is_handed_over and scene.new_object.name != last
+        if self._depth.objects is Objects.UNKNOWN and is_next and scene.objects:
+            state = None if self._joints is None else self.state(self.time).objects.get(last)
+            keep = state is not None and is_packed(self._scene, state.X_WO)
+            scene = self._scene.with_next(scene.new_object, keep=keep).description()
+        super().change_scene(scene)
+        self._expect_announced()
+
+    def take_hold(self) -> Pose | None:
+        """The pump has gripped the new object; what nobody described in the container is looked for anew.
+
+        The arm is beside the container now, and what was packed before counts as unknown like all the rest.
+
+        Returns:
+            X_TN, how it hangs; None if it was never seen, or hangs already.
+        """
+        X_TN = super().take_hold()
+        if X_TN is not None and self._depth.objects is Objects.UNKNOWN:
+            self._needs_look = True
+        return X_TN
+
     def _start_over(self) -> None:
         super()._start_over()
         self._needs_look = True
+        self._expect_announced()
+
+    def _expect_announced(self) -> None:
+        """Take a new object that is handed over, and was not seen, to stand where it is announced."""
+        announced, row = self._scene.new_object.pose, len(self._markers.names) - 1
+        self._is_announced = announced is not None and not self._is_known[row]
+        if announced is None or not self._is_announced:
+            return
+        X_WN = announced.to_pose()
+        self._physics.correct(np.array([row]), np.concatenate([X_WN.p, X_WN.q])[None], np.zeros((1, 6)))
+        self._seen[row] = self._started
+        if self._joints is not None:
+            self._note(self._joints)
 
     def _use(self, physics: GuidedCell) -> None:
         super()._use(physics)
@@ -86,9 +133,8 @@ class DepthEstimator(HandOverEstimator):
 
     def _look(self, frame: DepthFrame) -> None:
         """Find the objects that have no pose so far."""
-        hull = Pose(*np.split(self._poses(frame.time)[-1], [3])).apply(self._scene.new_object.hull())
-        ceiling = float(hull[:, 2].min()) - BELOW_HELD
-        if ceiling < self._scene.container.height:  # the held object is among the others
+        ceiling = self._ceiling(frame.time)
+        if ceiling < self._scene.container.height:  # the new object is among the others
             return
         points = scene_points([frame], self._cameras, ceiling)
         if not len(points):  # the cameras are covered
@@ -98,9 +144,15 @@ class DepthEstimator(HandOverEstimator):
             return
         points = scene_points([frame], self._cameras, ceiling)
         sight = SightLines(self._cameras, frame.images)
-        found = look_at(points, sight, self._scene.container, self._depth.look)
-        if self._depth.objects is Objects.UNKNOWN:
-            self.change_scene(self._scene.model_copy(update={"objects": [fit.item for fit in found]}))
+        is_unknown = self._depth.objects is Objects.UNKNOWN
+        there: list[ObjectModel] = []
+        if is_unknown:
+            there, points = self._remembered(points, frame.time)
+        found = look_at(points, sight, self._scene.container, self._depth.look, self._numbered)
+        self._numbered += len(found)
+        if is_unknown:
+            objects = [*there, *(fit.item for fit in found)]
+            self.change_scene(self._scene.model_copy(update={"objects": objects}))
             where = {fit.item.name: fit.X_WO for fit in found}
         else:
             where = which_is_where(found, self._scene.objects, self._depth.fit)
@@ -112,6 +164,25 @@ class DepthEstimator(HandOverEstimator):
         self._correct_free(rows, seen[rows], self._physics.poses()[rows], frame.time)
         self._seen[rows] = self._fitted[rows] = frame.time
         self._needs_look = not np.all(self._is_known[: len(self._scene.objects)])
+
+    def _remembered(self, points: Array, time: float) -> tuple[list[ObjectModel], Array]:
+        """The objects that are known already and still there, and the points `(n, 3)` that are not of them.
+
+        Two boxes of one height side by side look like one; who has put them there knows better.
+        """
+        known = np.flatnonzero(self._is_known[: len(self._scene.objects)])
+        surfaces = [self._surfaces[i] for i in known]
+        is_there, rest = still_there(points, surfaces, self._poses(time)[known], self._depth.fit.reach)
+        return [self._scene.objects[i] for i in known[is_there]], rest
+
+    def _ceiling(self, time: float) -> float:
+        """Height over which there is nothing at `time` [s] but the new object or the arm [m]."""
+        container, hull = self._scene.container, self._scene.new_object.hull()
+        hull = Pose(*np.split(self._poses(time)[-1], [3])).apply(hull)
+        low, high = container.lower - BESIDE, container.upper + BESIDE
+        if np.any((hull[:, :2].max(axis=0) < low) | (hull[:, :2].min(axis=0) > high)):
+            return 2.0 * container.height  # the centre of what is packed is below the rim
+        return float(hull[:, 2].min()) - BELOW_HELD
 
     def _register(self, frame: DepthFrame) -> None:
         """Take the cameras to be where the container, as they see it, says; note those that have moved."""
@@ -152,4 +223,7 @@ class DepthEstimator(HandOverEstimator):
         done = np.array(fitted, dtype=int)
         self._take(done, seen, self._history.at(frame.time), frame.time)
         self._fitted[done] = frame.time
+        # an announced object that nobody expects to see is no sign of blind cameras
+        if self._is_announced and not np.isfinite(self._fitted[-1]):
+            self._seen[-1] = frame.time
         return Correction(tuple(self._markers.names[i] for i in done))

@@ -68,7 +68,7 @@ def off_container(points: Array, container: Container) -> Array:
 
 
 def look_at(
-    points: Array, sight: SightLines, container: Container, config: DepthLookConfig
+    points: Array, sight: SightLines, container: Container, config: DepthLookConfig, before: int = 0
 ) -> list[FittedShape]:
     """The objects in a container.
 
@@ -77,9 +77,11 @@ def look_at(
         sight: the cameras' images, which tell where nothing is.
         container: where they stand.
         config: parameters.
+        before: how many objects earlier looks have named.
 
     Returns:
-        An object for each region of tops, the largest first; their names are `seen_1` and so on.
+        An object for each region of tops, the largest first; their names are `seen_1` and so on, or go on
+        behind those of earlier looks.
     """
     heights = height_map(points, sight, container, config.heights)
     found: list[FittedShape] = []
@@ -94,7 +96,7 @@ def look_at(
                 outline = footprint(longer.item, longer.X_WO).buffer(heights.cell)
                 taken |= shapely.contains_xy(outline, heights.centres()).reshape(taken.shape)
             found.append(longer)
-    return [_named(f, f"seen_{i}") for i, f in enumerate(found, 1)]
+    return [_named(f, f"seen_{i}") for i, f in enumerate(found, before + 1)]
 
 
 def _named(fit: FittedShape, name: str) -> FittedShape:

@@ -70,6 +70,29 @@ def assigned(points: Array, surfaces: Sequence[ConvexSurface], poses: Array, rea
     return [part[:: max(1, len(part) // MOST_POINTS)] for part in parts]
 
 
+GONE = 0.1
+"""Points within a body, as a share of those on its surface, from which it is not where it was."""
+OFF = 0.006
+"""What is nearer to a body is a part of it [m]."""
+
+
+def still_there(
+    points: Array, surfaces: Sequence[ConvexSurface], poses: Array, reach: float
+) -> tuple[npt.NDArray[np.bool_], Array]:
+    """Which bodies at `poses` `(k, 7)` are still there, and the points `(n, 3)` that are not of them.
+
+    A body is gone if something is seen farther within it than `reach` [m]; what nobody sees is still there.
+    """
+    is_there = np.ones(len(surfaces), dtype=bool)
+    for i, surface in enumerate(surfaces):
+        distances, _ = surface.distances(rotate(conjugate(poses[i, 3:]), points - poses[i, :3]))
+        within = np.count_nonzero(distances < -reach)
+        is_there[i] = within <= GONE * np.count_nonzero(np.abs(distances) <= reach)
+        if is_there[i]:
+            points = points[distances > OFF]
+    return is_there, points
+
+
 def fit_surface(surface: ConvexSurface, points: Array, pose: Array, config: SurfaceFitConfig) -> Array:
     """The pose `(7,)` of a body from points `(n, 3)` of its surface and the pose `(7,)` that is expected."""
     p, q = pose[:3].copy(), pose[3:].copy()
