@@ -32,7 +32,9 @@ publisher = node.create_publisher(String, "/names", 10)
 
 def publish() -> None:
     publisher.publish(String(data=name))
-    rclpy.spin_once(node, timeout_sec=0.05)
+    time.sleep(0.05)  # what it hears of itself would end every wait at once
+    rclpy.spin_once(node, timeout_sec=0.0)
+    rclpy.spin_once(node, timeout_sec=0.0)
 
 
 deadline = time.monotonic() + seconds

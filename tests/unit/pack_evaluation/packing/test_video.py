@@ -11,7 +11,7 @@ from pack_evaluation.packing.view import View, ViewConfig
 from pack_evaluation.video_file import FPS, write_gif
 from unit.pack_evaluation.packing.runs import END, START, make_run
 
-SMALL = ViewConfig(width=160, height=96)
+SMALL = ViewConfig(width=160, height=96, shadow_size=256)
 
 
 def test_frames_are_evenly_spaced_and_cover_the_goal() -> None:

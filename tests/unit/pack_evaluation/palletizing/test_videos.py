@@ -14,7 +14,7 @@ from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.view import CellView
 from pack_core.rotations import IDENTITY
 from pack_core.states import Source
-from pack_evaluation.palletizing import calibration_video
+from pack_evaluation.palletizing import calibration_video, video
 from pack_evaluation.palletizing.calibration_film import (
     BoardPicture,
     CalibrationFilm,
@@ -28,6 +28,8 @@ from pack_evaluation.track import track_of
 from pack_evaluation.video_file import FPS
 from unit.pack_evaluation.palletizing.known_run import a_run
 
+WITHOUT_SHADOWS = partial(CellView, shadows=False)
+"""Drawn in less than half of the time."""
 GREY = np.full((HEIGHT, WIDTH, 3), 60, dtype=np.uint8)
 CORNER = (slice(0, 220), slice(0, 380))
 """Where the inset is."""
@@ -76,9 +78,7 @@ def test_the_force_grows_with_time_and_its_beginning_is_marked_at_the_end() -> N
 
 def test_a_calibration_is_filmed_to_its_result(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(calibration_video, "END", 0.2)
-    monkeypatch.setattr(
-        calibration_video, "CellView", partial(CellView, shadows=False)
-    )  # less than half of the time
+    monkeypatch.setattr(calibration_video, "CellView", WITHOUT_SHADOWS)
     done: list[float] = []
     write_calibration_video(a_film(), tmp_path / "calibration.mp4", done.append)
     count, _ = imageio_ffmpeg.count_frames_and_secs(tmp_path / "calibration.mp4")
@@ -86,7 +86,10 @@ def test_a_calibration_is_filmed_to_its_result(tmp_path: Path, monkeypatch: pyte
     assert done[-1] == 1.0
 
 
-def test_an_order_is_filmed_with_its_states_from_its_first_moment_to_its_last(tmp_path: Path) -> None:
+def test_an_order_is_filmed_with_its_states_from_its_first_moment_to_its_last(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(video, "CellView", WITHOUT_SHADOWS)
     tool = a_run().tool
     first = {name: value[:15] for name, value in vars(tool).items() if value is not None}
     run = a_run(tool=replace(tool, **first))
