@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pack_bringup.packing.goals import calibration_overrides
+from pack_bringup.packing.goals import PackingJob, calibration_overrides
 from pack_core.camera import PinholeCamera
 from pack_core.errors import ConfigError
 from pack_core.packing.depth import DepthMount
@@ -142,6 +142,8 @@ def test_its_file_is_for_the_preset_and_the_cameras_that_it_was_made_of(seen: Se
         np.testing.assert_allclose(camera.X_WC.p, one.camera.X_WC.p)
         np.testing.assert_allclose(camera.X_WC.q, one.camera.X_WC.q)
     assert calibration_overrides("installed", path) == {"perception": {"calibration": f'"{path}"'}}
+    job = PackingJob(folder=tmp_path, preset="installed", calibration=path)
+    assert job.overrides()["perception"]["calibration"] == f'"{path}"'
     with pytest.raises(ConfigError, match="made under preset 'installed', and this cell has 'unknown'"):
         calibration_overrides("unknown", path)
     mounts = [m.model_copy(update={"position": (0.8, 0.4, 0.7)}) for m in CELL.depth.mounts]

@@ -31,7 +31,7 @@ from pack_bringup.cli.options import (
 )
 from pack_bringup.cli.outputs import command_line
 from pack_bringup.cli.pursue import run_goal, run_live
-from pack_bringup.packing import calibration  # noqa: F401, adds `pack calibrate packing`
+from pack_bringup.packing import calibration as _calibration  # noqa: F401, adds `pack calibrate packing`
 from pack_bringup.recording.run_record import default_folder
 from pack_core.errors import ConfigError
 from pack_core.packing.goals import FillMethod, PackingMethod
@@ -121,6 +121,10 @@ def demo(
         str,
         typer.Option(help="Run under the conditions of this file of config/presets."),
     ] = "",
+    calibration: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="What `pack calibrate packing` has found under this preset."),
+    ] = None,
     real_time_factor: RealTimeFactor = None,
     video: Video = True,
     fill: Fill = False,
@@ -142,6 +146,7 @@ def demo(
     - `pack demo packing --preset hardware`
     - `pack demo packing --scene config/scenarios/packing/example.yaml --real-time-factor 0.3`
     - `pack demo packing --fill config/packing_lists/example.yaml`
+    - `pack demo packing --preset installed --calibration calibration.yaml --real-time-factor 0.2`
     """
     from pack_bringup.packing.goals import PackingJob
 
@@ -153,12 +158,12 @@ def demo(
 
         job = packing_fill_job(
             seed, given, folder=folder, real_time_factor=real_time_factor, command=command_line(),
-            preset=preset,
+            preset=preset, calibration=calibration,
         )  # fmt: skip
     else:
         job = PackingJob(
             seed, scene, method.value, folder=folder, real_time_factor=real_time_factor,
-            command=command_line(), preset=preset,
+            command=command_line(), preset=preset, calibration=calibration,
         )  # fmt: skip
     run_live(job, video=video, domain=domain, page=page_process("packing", live, port))
 

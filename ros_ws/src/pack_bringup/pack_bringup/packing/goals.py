@@ -142,12 +142,14 @@ class PackingJob(PackingGoal):
         real_time_factor: None: that of config/nodes/packing/sim.yaml.
         command: the command line, for run.yaml.
         preset: of config/presets/packing; empty: the configuration files as they are.
+        calibration: of the depth cameras, made under this preset; None: none.
     """
 
     folder: Path = field(kw_only=True)
     real_time_factor: float | None = None
     command: str = ""
     preset: str = ""
+    calibration: Path | None = None
 
     def overrides(self) -> dict[str, dict[str, str]]:
         """Parameters by node, as YAML text."""
@@ -157,7 +159,9 @@ class PackingJob(PackingGoal):
         if self.real_time_factor is not None:
             sim["real_time_factor"] = str(float(self.real_time_factor))
         recorder = recorder_parameters(self, self.seed, self.command)
-        return merged(conditions(self.cell, self.preset, None), {"sim": sim, "recorder": recorder})
+        return merged(
+            conditions(self.cell, self.preset, self.calibration), {"sim": sim, "recorder": recorder}
+        )
 
 
 def seeded_job(
@@ -177,8 +181,9 @@ class PackingFillJob(PackingFillGoal, PackingJob):
 
 
 def packing_fill_job(
-    seed: int, given: Path | None, *, folder: Path, preset: str, real_time_factor: float | None, command: str
-) -> PackingFillJob:
+    seed: int, given: Path | None, *, folder: Path, preset: str, real_time_factor: float | None, command: str,
+    calibration: Path | None = None,
+) -> PackingFillJob:  # fmt: skip
     """The job for a list file or, without one, for objects drawn from the catalogue.
 
     Raises:
@@ -193,7 +198,7 @@ def packing_fill_job(
     start.write_text(listed.start(cell).to_yaml())
     return PackingFillJob(
         seed, start, folder=folder, preset=preset, list_text=listed.to_yaml(),
-        real_time_factor=real_time_factor, command=command,
+        real_time_factor=real_time_factor, command=command, calibration=calibration,
     )  # fmt: skip
 
 
