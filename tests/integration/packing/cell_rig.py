@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -40,13 +41,13 @@ class Cell(Witness):
 
     def __init__(
         self, graph: Graph, factor: float, scene: Path = EASY, facts: str = "{}", unseen: str = "none",
-        preset: str = "",
+        preset: str = "", settings: Sequence[str] = (),
     ) -> None:  # fmt: skip
         super().__init__(graph)
-        # What lies over config/cells/packing.yaml, the same for all nodes, and a preset over their own files.
+        # What lies over config/cells/packing.yaml, the same for all nodes, and a preset and settings over their own files.
         changes = {
             node: {"cell": facts} | {name: value for name, value in over.items() if name != "use_sim_time"}
-            for node, over in launch_parameters("packing", preset, []).items()
+            for node, over in launch_parameters("packing", preset, settings).items()
         }
         watched = ["sim", "perception", "planner"]
         self.sim = graph.start(

@@ -46,6 +46,25 @@ def test_a_stop_ends_the_goal_keeps_the_object_and_the_next_goal_moves_the_arm_a
     assert counts["refused /joint_torque_setpoints"] == refused
 
 
+@pytest.mark.parametrize("stage", ["INSERT", pytest.param("FINE_TUNE", marks=pytest.mark.long)])
+def test_a_stop_among_the_objects_keeps_the_object_and_the_next_goal_packs_it(
+    graph: Graph, stage: str
+) -> None:
+    graph.probe.listen(shared.ARM_STATE)
+    cell = Cell(graph, FACTOR, settings=["mpc.task.stages.insert_height=0.04"])  # FINE-TUNE has a way to go
+    handle = cell.pack()
+    cell.graph.wait_until(lambda: cell.feedback and cell.feedback[-1].stage == stage, 60.0)
+    assert braking_time(cell.graph) < BRAKING
+    assert cell.graph.result_of(handle).message == f"the arm was stopped: {WHO}"
+    cell.wait_past(from_stamp(cell.graph.probe.last(shared.ARM_STATE).header.stamp))
+    held = newest_joints(cell.graph)
+    cell.wait_past(held.time + 0.2)
+    np.testing.assert_allclose(newest_joints(cell.graph).q, held.q, atol=2e-3)
+    assert cell.sim.simulator.pump.state.is_closed
+    result = cell.graph.result_of(cell.pack())
+    assert (result.success, result.exit_reason) == (True, "placed"), result.message
+
+
 def test_a_stop_needs_no_other_node(cell: Cell) -> None:
     cell.pack()
     cell.wait_for_motion()
