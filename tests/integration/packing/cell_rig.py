@@ -44,7 +44,7 @@ class Cell(Witness):
         preset: str = "", settings: Sequence[str] = (),
     ) -> None:  # fmt: skip
         super().__init__(graph)
-        # What lies over config/cells/packing.yaml, the same for all nodes, and a preset and settings over their own files.
+        # Facts lie over config/cells/packing.yaml for all nodes, preset and settings over their own files.
         changes = {
             node: {"cell": facts} | {name: value for name, value in over.items() if name != "use_sim_time"}
             for node, over in launch_parameters("packing", preset, settings).items()
