@@ -26,6 +26,8 @@ from pack_lockstep.packing.lockstep import LockstepCell
 from pack_lockstep.packing.lockstep_config import load_preset, lockstep_config
 from pack_lockstep.packing.settings import BenchmarkSettings, set_up
 from pack_perception.depth.depth_estimator import DepthEstimator
+from pack_sim.packing.depth_cameras import DepthCameraSystem
+from pack_sim.packing.simulator import Simulator
 
 CELL = packing_cell()
 SPOTS = {
@@ -213,6 +215,25 @@ def test_depth_cameras_decide_no_result_with_markers() -> None:
     assert "depth" not in with_markers["cell"] | with_markers["config"]["estimator"]
     assert by_depth["config"]["estimator"]["depth"]["objects"] == "described"
     assert by_depth["cell"]["depth"]["rate"] == CELL.depth.rate
+
+
+def test_calibrated_cameras_tell_where_the_container_is() -> None:
+    given = load_preset("hardware_unknown")
+    cell, config = given.packing_cell(), lockstep_config(given)
+    simulator = Simulator(cell, scene(), config.simulator, np.random.default_rng(302))
+    system = DepthCameraSystem(cell.depth, np.random.default_rng(2))
+    told, true = simulator.description, simulator.scene.container.centre
+    assert np.linalg.norm(np.subtract(told.container.centre, true)) > 0.001
+    estimator = DepthEstimator(told, cell, config.estimator, system.cameras)
+    for _ in range(20):
+        simulator.step()
+        estimator.advance(simulator.joints())
+    estimator.see(system.capture(simulator.model, simulator.data, simulator.time))
+    assert len(estimator.scene.objects) == len(SPOTS)
+    np.testing.assert_allclose(estimator.scene.container.centre, true, atol=3e-4)
+    # with what is handed over next the container is told as it was described, and is known better
+    estimator.change_scene(told.with_next(handed_over(CELL.scene.new_object, CELL), keep=False))
+    np.testing.assert_allclose(estimator.scene.container.centre, true, atol=3e-4)
 
 
 def test_what_is_handed_over_stands_where_announced_and_what_was_seen_stays() -> None:

@@ -58,7 +58,8 @@ class DepthEstimator(HandOverEstimator):
         cameras: Sequence[PinholeCamera] | None = None,
     ) -> None:  # fmt: skip
         self._depth, self._described = config.depth, cameras or cell.depth.cameras()
-        self._cameras = [*self._described]
+        self._cameras, self._is_calibrated = [*self._described], cameras is not None
+        self._told = self._placed = scene.container
         self.misplaced: dict[int, str] = {}
         self._needs_look, self._numbered = True, 0
         is_known = self._depth.objects is Objects.DESCRIBED
@@ -94,7 +95,9 @@ class DepthEstimator(HandOverEstimator):
             state = None if self._joints is None else self.state(self.time).objects.get(last)
             keep = state is not None and is_packed(self._scene, state.X_WO)
             scene = self._scene.with_next(scene.new_object, keep=keep).description()
-        super().change_scene(scene)
+        if scene.container not in (self._told, self._placed):  # another one
+            self._told = self._placed = scene.container
+        super().change_scene(scene.model_copy(update={"container": self._placed}))
         self._expect_announced()
 
     def take_hold(self) -> Pose | None:
@@ -148,13 +151,15 @@ class DepthEstimator(HandOverEstimator):
         there: list[ObjectModel] = []
         if is_unknown:
             there, points = self._remembered(points, frame.time)
-        found = look_at(points, sight, self._scene.container, self._depth.look, self._numbered)
+        found = look_at(points, sight, self._placed, self._depth.look, self._numbered)
         self._numbered += len(found)
         if is_unknown:
             objects = [*there, *(fit.item for fit in found)]
             self.change_scene(self._scene.model_copy(update={"objects": objects}))
             where = {fit.item.name: fit.X_WO for fit in found}
         else:
+            if self._placed != self._scene.container:
+                self.change_scene(self._scene)
             where = which_is_where(found, self._scene.objects, self._depth.fit)
         names = self._markers.names
         rows = np.array([i for i, n in enumerate(names) if n in where and not self._is_known[i]], dtype=int)
@@ -185,17 +190,26 @@ class DepthEstimator(HandOverEstimator):
         return float(hull[:, 2].min()) - BELOW_HELD
 
     def _register(self, frame: DepthFrame) -> None:
-        """Take the cameras to be where the container, as they see it, says; note those that have moved."""
-        container, config, described = self._scene.container, self._depth.registration, self._described
-        self.misplaced = {}
+        """Compare cameras and container; note cameras that have moved.
+
+        Of cameras that are calibrated to the arm, and of the container, it is the container that stands
+        elsewhere than described. Else the cameras are taken to be where the container, as they see it, says.
+        """
+        container, config, described = self._told, self._depth.registration, self._described
+        self.misplaced, shifts = {}, []
         for i, (camera, image) in enumerate(zip(described, frame.images, strict=True)):
             found = register(points_of(camera, image, self._depth.every), camera.X_WC.p, container, config)
             if found is None:  # too little to see: it stays where it was
                 continue
-            if found.is_within(config):
-                self._cameras[i] = found.applied_to(camera)
-            else:
+            if not found.is_within(config):
                 self.misplaced[i] = found.in_words()
+            elif self._is_calibrated:
+                shifts.append(found.shift[:2])
+            else:
+                self._cameras[i] = found.applied_to(camera)
+        if shifts:
+            x, y = container.centre - np.mean(shifts, axis=0)
+            self._placed = container.model_copy(update={"centre": (float(x), float(y))})
 
     def _poses(self, time: float) -> Array:
         """X_WO `(n, 7)` of all objects at an earlier time, the new one last."""

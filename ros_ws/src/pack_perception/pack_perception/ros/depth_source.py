@@ -55,7 +55,8 @@ class DepthSource:
         self._stamps = StampCheck(node)
         told = node.declare_parameter("calibration", "", read_only("file of pack calibrate packing")).value
         described = cell.depth
-        self._cameras = load_depth_calibration(Path(told)).applied(described) if told else described.cameras()
+        self._calibrated = load_depth_calibration(Path(told)).applied(described) if told else None
+        self._cameras = self._calibrated or described.cameras()
         self._measured: dict[int, float] = {}
         self._has_info = [False] * len(self._cameras)
         self.streams = tuple(Stream(node, contract) for contract in IMAGES)
@@ -69,7 +70,7 @@ class DepthSource:
     def begin(self, scene: Scene) -> HandOverEstimator:
         """The estimate of a scene that was told."""
         self._pairing = FramePairing(len(self._cameras))
-        estimator = DepthEstimator(scene, self._cell, self._config, self._cameras)
+        estimator = DepthEstimator(scene, self._cell, self._config, self._calibrated)
         self._describe(estimator)
         return estimator
 
