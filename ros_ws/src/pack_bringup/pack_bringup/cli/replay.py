@@ -37,7 +37,7 @@ def replay(
     preset: Annotated[str, typer.Option(help="Preset of the recorded run. Default: that of run.yaml.")] = "",
     calibration: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Calibration that the recorded nodes had, for `vision`."),
+        typer.Option(metavar="FILE", help="Calibration of the recorded cell, for `vision` and `perception`."),
     ] = None,
 ) -> None:
     """Feed what a node received in a recording to its core, and compare its answers with the node's.

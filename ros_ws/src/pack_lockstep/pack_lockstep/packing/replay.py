@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from pack_core.camera import PinholeCamera
 from pack_core.errors import BagError
 from pack_core.joints import JointSample
 from pack_core.packing.cell import PackingCell, Perception
 from pack_core.packing.depth import DepthFrame, FramePairing
+from pack_core.packing.depth_calibration import load_depth_calibration
 from pack_core.packing.goals import PackingMethod
 from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.scene import Scene
@@ -101,15 +104,17 @@ TRACK_LIMIT_MM = 1.0
 """Limit of the 95th percentile; node and core step at different joint samples, which contact magnifies."""
 
 
-def replay_perception(bag: Bag, preset: PackingPreset | None = None) -> Replay:
+def replay_perception(bag: Bag, preset: PackingPreset | None = None, calibration: str = "") -> Replay:
     """Estimate the poses again and compare them with the recorded estimate during the goal or fill job.
 
     Args:
         bag: the recording.
         preset: preset of the run; None: config/nodes without changes.
+        calibration: file of the calibration that its depth cameras had; empty: none.
 
     Raises:
         BagError: the recording lacks a topic or too many of its messages.
+        ConfigError: the calibration cannot be read, or is of other cameras.
     """
     preset = preset or PackingPreset()
     run = to_run(bag)
@@ -118,7 +123,9 @@ def replay_perception(bag: Bag, preset: PackingPreset | None = None) -> Replay:
     bag = bag if job else without_earlier_gaps(bag, start, latched=(DESCRIPTION, SIM_DESCRIPTION))
     if preset.packing_cell().perception is Perception.DEPTH:
         counts = {topic: _count_images(bag, topic) for topic in DEPTH_IMAGES}
-        estimated = estimate_by_depth(bag, preset)
+        depth = preset.packing_cell().depth
+        cameras = load_depth_calibration(Path(calibration)).applied(depth) if calibration else None
+        estimated = estimate_by_depth(bag, preset, cameras)
         return Replay("perception", counts, _compare(run, start, end, estimated))
     joints = [from_stamp(message.header.stamp) for message in bag.of(JOINT_STATES)]
     frames = [from_markers(message).time for message in bag.of(MARKERS)]
@@ -178,25 +185,34 @@ def estimate_again(bag: Bag, preset: PackingPreset) -> dict[str, Track]:
     return to_tracks(states)
 
 
-def estimate_by_depth(bag: Bag, preset: PackingPreset) -> dict[str, Track]:
+def estimate_by_depth(
+    bag: Bag, preset: PackingPreset, cameras: Sequence[PinholeCamera] | None = None
+) -> dict[str, Track]:
     """Estimated tracks by object, with a pose after every joint state that is used, and after every frame.
 
-    Where the recording has no frame from before the look, what was seen then counts as described.
+    The cameras hang where a calibration has found them, or by default where they are described. Where the
+    recording has no frame from before the look, what was seen then counts as described.
     """
     config, cell = preset.parameters("perception", PerceptionConfig), preset.packing_cell()
     estimator: DepthEstimator | None = None
     pairing = FramePairing(len(DEPTH_IMAGES))
     waiting: deque[DepthFrame] = deque()
     states: list[SceneState] = []
-    has_looked = False
+    has_looked = is_handed_over = False
     for item in bag.messages:
         if item.topic == SIM_DESCRIPTION:
             scene = Scene.from_yaml(item.message.data, SIM_DESCRIPTION)
-            estimator, has_looked = DepthEstimator(scene, cell, config), False
+            is_handed_over = scene.is_handed_over
             waiting.clear()
+            if is_handed_over and estimator is not None:
+                estimator.change_scene(scene)
+            else:
+                estimator, has_looked = DepthEstimator(scene, cell, config, cameras), False
+        elif item.topic == GRIPPER_STATE and estimator is not None and is_handed_over:
+            _grip(estimator, is_closed=item.message.is_closed)
         elif item.topic == DESCRIPTION and not has_looked:
             scene = Scene.from_yaml(item.message.data, DESCRIPTION)
-            estimator = DepthEstimator(scene, cell, _as_described(config))
+            estimator = DepthEstimator(scene, cell, _as_described(config), cameras)
         elif item.topic == JOINT_STATES and estimator is not None:
             _advance(estimator, from_joint_state(item.message, cell.robot.arm.joints))
             if estimator.knows_objects:
@@ -354,7 +370,7 @@ USUAL_PRESET = "ideal"
 
 
 def _perception(bag: Bag, run: RunConditions) -> Replay:
-    return replay_perception(bag, load_preset(run.preset or USUAL_PRESET))
+    return replay_perception(bag, load_preset(run.preset or USUAL_PRESET), run.calibration)
 
 
 def _planner(bag: Bag, run: RunConditions) -> Replay:
