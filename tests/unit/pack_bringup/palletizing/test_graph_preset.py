@@ -53,8 +53,8 @@ def test_a_calibration_of_another_preset_is_refused(file: Path) -> None:
 
 
 def test_a_cell_without_calibrations_says_which_have_them(file: Path) -> None:
-    with pytest.raises(ConfigError, match=r"'packing' takes no calibration; .*palletizing"):
-        conditions("packing", "", file)
+    with pytest.raises(ConfigError, match=r"'blocks' takes no calibration; .*packing, palletizing"):
+        conditions("blocks", "", file)
 
 
 def test_what_a_preset_changes_in_the_nodes_reaches_them() -> None:
