@@ -35,7 +35,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.mark.timeout(300)  # it measures in processes of their own
+@pytest.mark.timeout(300)  # it measures twice, in processes of their own
 def test_a_missing_result_is_measured_published_and_valid_until_a_source_changes(folder: Path) -> None:
     code, shown = pack()
     assert code == 0
@@ -54,10 +54,14 @@ def test_a_missing_result_is_measured_published_and_valid_until_a_source_changes
     assert "1 valid, 1 missing" in pack()[1]
     assert "all of these results are valid" in pack("run", "blocks/four")[1]
 
+    measured = file.stat().st_mtime_ns
     values["sources"]["config/cells/blocks.yaml"] = "of another day"
     file.write_text(json.dumps(values))
     code, shown = pack("list", "blocks/four")
     assert "stale because config/cells/blocks.yaml changed: blocks/four" in shown
+    assert pack("run", "blocks/four")[0] == 0
+    assert file.stat().st_mtime_ns > measured
+    assert "1 valid" in pack("list", "blocks/four")[1]
 
 
 def test_a_benchmark_that_fails_is_named_and_publishes_nothing(folder: Path) -> None:

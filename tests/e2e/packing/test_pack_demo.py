@@ -1,4 +1,6 @@
 import json
+import re
+import shutil
 import signal
 from pathlib import Path
 
@@ -10,6 +12,7 @@ import yaml
 from e2e.command import alarms, output_of, pack
 from e2e.packing.cell import EASY_SCENE
 from pack_core.packing.scene_file import load_scene
+from pack_core.paths import ROOT_VARIABLE, project_root
 from pack_evaluation.packing.from_bag import load_run
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(900)]
@@ -82,3 +85,23 @@ def test_a_bad_scene_file_is_named_before_anything_is_started(tmp_path: Path) ->
     assert process.returncode == 2
     assert "friction" in text
     assert not (tmp_path / "run").exists()
+
+
+def test_a_node_that_does_not_come_up_is_named_with_its_last_words(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(project_root() / "config", tmp_path / "config")
+    parameters = tmp_path / "config" / "nodes" / "packing" / "recorder.yaml"
+    parameters.write_text(parameters.read_text().replace("split_mb", "spilt_mb"))
+    graph = tmp_path / "config" / "graphs" / "packing.yaml"
+    # the others would be started for nothing
+    needed = (
+        line for line in graph.read_text().splitlines() if not re.search("perception|planner|mpc", line)
+    )
+    graph.write_text("\n".join(needed))
+    monkeypatch.setenv(ROOT_VARIABLE, str(tmp_path))
+    process = pack("demo", "packing", "--scene", EASY_SCENE, "--output", tmp_path / "run")
+    text = output_of(process)
+    assert process.returncode == 2
+    assert "node 'recorder' ended with exit code 2" in text
+    assert "did you mean 'split_mb'" in text

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from pack_bringup.packing.goals import PackingJob, calibration_overrides
 from pack_core.camera import PinholeCamera
@@ -149,3 +150,7 @@ def test_its_file_is_for_the_preset_and_the_cameras_that_it_was_made_of(seen: Se
     mounts = [m.model_copy(update={"position": (0.8, 0.4, 0.7)}) for m in CELL.depth.mounts]
     with pytest.raises(ConfigError, match="of cameras that were described elsewhere"):
         read.applied(CELL.depth.model_copy(update={"mounts": mounts}))
+    text = yaml.safe_load(path.read_text())
+    path.write_text(yaml.safe_dump(text | {"cameras": text["cameras"][:1]}))
+    with pytest.raises(ConfigError, match="`cameras` has 1, `described` 2"):
+        load_depth_calibration(path)

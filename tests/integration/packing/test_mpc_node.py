@@ -62,7 +62,7 @@ def test_a_canceled_goal_ends_at_once_and_the_arm_holds(cell: Cell) -> None:
         handle.cancel_goal_async()
         result = cell.graph.result_of(handle)
         assert (result.success, result.exit_reason) == (False, "canceled")
-        cell.wait_past(asked + 2 * LIMIT)
+        cell.wait_past(asked + 3 * LIMIT)
     assert cell.time_to_rest(asked) < LIMIT
     cell.pack()
     cell.wait_for_motion()

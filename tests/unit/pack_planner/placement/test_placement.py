@@ -138,7 +138,7 @@ def test_a_full_container_has_no_feasible_placement_and_says_why(empty: Scene, s
 def test_places_tried_before_are_left_out(example: Scene, state_of: StateOf) -> None:
     planner = LeastDisturbancePlanner(example, packing_cell(), QUICK)
     tried: list[np.ndarray] = []
-    for _ in range(2):
+    for _ in range(3):
         placement = planner.plan(state_of(example), np.random.default_rng(0), avoid=tried, avoid_radius=0.03)
         assert placement.X_WO is not None
         assert all(np.linalg.norm(placement.X_WO.p[:2] - p[:2]) >= 0.03 for p in tried)

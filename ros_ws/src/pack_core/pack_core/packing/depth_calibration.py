@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Self
 
 import yaml
-from pydantic import NonNegativeFloat, NonNegativeInt
+from pydantic import NonNegativeFloat, NonNegativeInt, model_validator
 
 from pack_core.camera import PinholeCamera
 from pack_core.config import Config, load_config
@@ -45,6 +46,15 @@ class DepthCalibration(Config):
     cameras: tuple[FoundCamera, ...]
     simulated_s: NonNegativeFloat
     """Time that the calibration took [s]."""
+
+    @model_validator(mode="after")
+    def _every_camera_is_found(self) -> Self:
+        if len(self.cameras) != len(self.described):
+            raise ValueError(
+                f"`cameras` has {len(self.cameras)}, `described` {len(self.described)}: needed are as many; "
+                "calibrate again, with pack calibrate packing"
+            )
+        return self
 
     def applied(self, described: DepthCameras) -> list[PinholeCamera]:
         """The cameras where they hang.
