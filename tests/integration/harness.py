@@ -25,10 +25,13 @@ from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.goal_node import REFUSED
 from pack_core.ros.node import CellNode
 from pack_core.ros.node_status import LISTENING
+from pack_core.ros.stream import Stream
 
 N = TypeVar("N", bound=Node)
 PATIENCE = 30.0
 """What a condition may take to come true on a busy machine [s]; nothing waits longer than it has to."""
+MAILBOX = 1000
+"""Messages of a topic that may wait for the probe: a second of the fastest."""
 _numbers = itertools.count(7 * os.getpid())
 
 
@@ -47,20 +50,26 @@ def own_domain() -> int:
 
 
 class Probe(Node):
-    """Speaks for the nodes that a test leaves out, and keeps a mailbox per topic."""
+    """Speaks for the nodes that a test leaves out, and keeps a mailbox per topic.
+
+    It takes its messages itself: called back for each, it would take most of a test's processor time.
+    """
 
     def __init__(self, context: Context) -> None:
         super().__init__("probe", context=context)
         self.mail: defaultdict[str, list[Any]] = defaultdict(list)
+        self._streams: list[Stream] = []
         self._publishers_of: dict[str, Publisher] = {}
         self._clients_of: dict[str, Client] = {}
 
     def listen(self, *contracts: Contract) -> None:
         """Collect what is published, in `mail[topic]`, oldest first."""
-        for contract in contracts:
-            self.create_subscription(
-                contract.type, contract.name, self.mail[contract.name].append, contract.qos
-            )
+        self._streams += [Stream(self, contract, depth=MAILBOX) for contract in contracts]
+
+    def collect(self) -> None:
+        """Put what has come into the mailboxes."""
+        for stream in self._streams:
+            self.mail[stream.contract.name] += stream.take_all()
 
     def last(self, contract: Contract) -> Any:
         """The newest message in a mailbox; None while it is empty."""
@@ -132,8 +141,17 @@ class Graph:
         deadline = time.monotonic() + timeout
         while not condition():
             assert time.monotonic() < deadline, f"waited {timeout} s in vain"
-            self.executor.spin_once(timeout_sec=0.01)
-            self._check_failures()
+            self.spin_once(0.01)
+
+    def spin_once(self, timeout: float) -> None:
+        """Call one callback, waiting up to `timeout` [s] for it, and put into the mailboxes what has come.
+
+        Raises:
+            AssertionError: a callback of a node failed, which the node itself survives.
+        """
+        self.executor.spin_once(timeout_sec=timeout)
+        self.probe.collect()
+        self._check_failures()
 
     def connect(self, *contracts: Contract, subscribers: int = 1) -> None:
         """Wait until what the probe sends on these topics has at least so many listeners."""

@@ -12,6 +12,7 @@ from std_srvs.srv import Trigger
 
 from integration.goal_rig import ACTION, Waiter
 from integration.harness import Graph
+from pack_bringup.ros import goal_client
 from pack_bringup.ros.goal_client import GoalClient
 from pack_core.errors import PackError
 from pack_core.ros import goal_sender
@@ -84,6 +85,32 @@ def test_a_cancelled_goal_has_a_result(graph: Graph) -> None:
     node.cancel()
     pursue(graph, node, "result")
     assert node.result.message == "stopped on request"
+
+
+@pytest.mark.parametrize("is_restarted", [False, True])
+def test_a_goal_ends_with_the_node_that_pursues_it(graph: Graph, is_restarted: bool) -> None:
+    waiter = graph.start(Waiter)
+    node = client(graph)
+    pursue(graph, node, "feedback")
+    graph.wait_until(lambda: node.hears("waiter"))
+    graph.stop(waiter)
+    if is_restarted:
+        graph.start(Waiter)  # which knows nothing of the goal
+    with pytest.raises(PackError, match=r"^the goal is lost: "):
+        pursue(graph, node, "result")
+
+
+def test_a_goal_is_given_up_when_nothing_is_heard_of_who_pursues_it(
+    graph: Graph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(goal_client, "SILENCE", 0.5)
+    waiter = graph.start(Waiter)
+    node = client(graph)
+    pursue(graph, node, "feedback")
+    graph.wait_until(lambda: node.hears("waiter"))
+    waiter._ended.set()  # its heart stops; the process goes on, as one that hangs
+    with pytest.raises(PackError, match=r"^the goal is lost: nothing was heard of node 'waiter'"):
+        pursue(graph, node, "result")
 
 
 class Sim:

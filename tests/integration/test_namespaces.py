@@ -82,7 +82,7 @@ def test_a_move_and_a_stop_of_one_cell_are_not_heard_in_the_other(graph: Graph, 
     with StatusListener(graph.context.get_domain_id(), "/left") as listener:
 
         def heard() -> bool:
-            graph.executor.spin_once(timeout_sec=0.01)
+            graph.spin_once(0.01)
             return not listener.unready(["sim", "motion"])
 
         assert listener.spin_until(heard, 60.0)

@@ -86,7 +86,7 @@ def test_no_message_on_any_topic_ends_a_node_or_its_service(cell: Cell) -> None:
     for contract in heard_topics():
         for message in extremes_of(contract):
             graph.probe.send(contract, message)
-            graph.executor.spin_once(timeout_sec=0.002)
+            graph.spin_once(0.002)
         graph.probe.silence(contract)
     for node in nodes:
         reports = len(graph.probe.mail[shared.DIAGNOSTICS.name])

@@ -65,7 +65,7 @@ class Rig:
             for frame in self.simulator.mocap.due(self.simulator.time):
                 if cameras:
                     self.graph.probe.send(contracts.MARKERS, to_markers(frame))
-            self.graph.executor.spin_once(timeout_sec=0.0)
+            self.graph.spin_once(0.0)
         self.graph.wait_until(lambda: self.estimate.time > self.simulator.time - 0.017)
 
     @property
@@ -159,7 +159,7 @@ def test_nothing_is_published_before_the_cell_is_described(rig: Rig) -> None:
     for _ in range(100):
         rig.simulator.step()
         rig.graph.probe.send(contracts.JOINT_STATES, to_joint_state(rig.simulator.joints(), PANDA.joints))
-        rig.graph.executor.spin_once(timeout_sec=0.0)
+        rig.graph.spin_once(0.0)
     assert rig.graph.probe.last(contracts.SCENE) is None
     rig.describe()
     rig.run(0.1)

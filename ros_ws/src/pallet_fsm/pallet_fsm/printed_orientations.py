@@ -12,10 +12,9 @@ angles are printed.
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from pack_core.palletizing.orders.handling import PERMUTATIONS, BundlingAxis, OrientId
-from pack_core.rotations import Array, multiply
+from pack_core.rotations import Array, conjugate, from_rpy, multiply, to_matrix
 from pallet_fsm.tool_poses import LOOKING_DOWN
 
 QUARTER = np.pi / 2.0
@@ -32,14 +31,12 @@ EULER: dict[OrientId, tuple[float, float, float]] = {
 
 def printed_turn(orient_id: OrientId) -> Array:
     """The rotation of tool and box from the orientation of id 0 to that of another id, wxyz `(4,)`."""
-    to, start = (Rotation.from_euler("xyz", EULER[number]) for number in (orient_id, 0))
-    return np.asarray((to * start.inv()).as_quat(scalar_first=True))
+    return multiply(from_rpy(EULER[orient_id]), conjugate(from_rpy(EULER[0])))
 
 
 def printed_extents(orient_id: OrientId) -> tuple[int, int, int]:
     """Which of d_x, d_y and d_z lie along x, y and z after the printed turn."""
-    R = Rotation.from_quat(printed_turn(orient_id), scalar_first=True).as_matrix()
-    i, j, k = np.argmax(np.abs(R), axis=1).tolist()
+    i, j, k = np.argmax(np.abs(to_matrix(printed_turn(orient_id))), axis=1).tolist()
     return i, j, k
 
 

@@ -15,15 +15,20 @@ from pack_bringup.ros.deferred_signals import deferred_signals
 from pack_core.errors import PackError
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
-from pack_core.ros.goal_sender import GoalSender
+from pack_core.ros.goal_sender import LOST, GoalSender
 from pack_core.ros.node import CellNode
 from pack_core.ros.node_status import LISTENING
 from pack_core.ros.run import confirm_network, start_ros
-from pack_core.ros.watch.peer_watch import alive_topic
+from pack_core.ros.watch.peer_watch import SilentPeers, alive_topic
+
+GRACE = 1.0
+"""After the end of whoever pursued the goal, in which its result may still arrive [s of wall clock]."""
+SILENCE = 10.0
+"""Of whoever pursues the goal, after which it counts as lost [s of wall clock]: it hangs, or is elsewhere."""
 
 
 class GoalClient(CellNode):
-    """One goal: sent when every node is ready, then followed.
+    """One goal: sent when every node is ready, then followed to its result or to the end of who pursues it.
 
     Args:
         contract: the action.
@@ -55,6 +60,8 @@ class GoalClient(CellNode):
             self, contract, service, on_feedback=self._on_feedback, is_ready=lambda: not self.missing
         )
         self._statuses: dict[str, NodeStatus] = {}
+        self._silent, self._gone = SilentPeers(), SilentPeers()
+        self.watch(contract.targets, self._on_server)
         self._is_complete = False
         self.real_time_factor = 0.0
         self.is_paused = False
@@ -96,7 +103,8 @@ class GoalClient(CellNode):
         """Take the next step towards the goal: to be called again and again.
 
         Raises:
-            PackError: another goal is in progress, the cell cannot be reset, or the goal was refused.
+            PackError: another goal is in progress, the cell cannot be reset, the goal was refused, or whoever
+                pursues it has ended or is silent.
         """
         if not self._is_complete and not self.missing:
             self._is_complete = True
@@ -104,6 +112,12 @@ class GoalClient(CellNode):
             self._sender.send(self._goal, self._request)
         if self._sender.failure:
             raise PackError(self._sender.failure)
+        if self.is_accepted and self.result is None:
+            self._require_server()
+
+    def on_peer_end(self, peer: str) -> None:
+        """Whether it comes back or not, it has forgotten the goal."""
+        self._gone.note(peer, False, time.monotonic())
 
     def cancel(self) -> None:
         """Have the goal ended as soon as it has been taken; its result comes as of any goal."""
@@ -114,6 +128,16 @@ class GoalClient(CellNode):
         busy = [name for name, status in self._statuses.items() if status.state == NodeStatus.BUSY]
         if busy and self._request is not None:
             raise PackError(f"node '{busy[0]}' pursues a goal: wait for it, or cancel it where it was sent")
+
+    def _on_server(self, peer: str, is_alive: bool) -> None:
+        self._silent.note(peer, is_alive, time.monotonic())
+
+    def _require_server(self) -> None:
+        now = time.monotonic()
+        for peer in self._gone.lasting(GRACE, now):
+            raise PackError(f"{LOST}: node '{peer}' has ended; its log says why")
+        for peer in self._silent.lasting(SILENCE, now):
+            raise PackError(f"{LOST}: nothing was heard of node '{peer}' for {SILENCE:.0f} s")
 
     def _on_status(self, status: NodeStatus) -> None:
         self._statuses[status.name] = status

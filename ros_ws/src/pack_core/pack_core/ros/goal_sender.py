@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from action_msgs.msg import GoalStatus
 from rclpy.action import ActionClient
 from rclpy.task import Future
 
@@ -22,6 +23,8 @@ ANSWER = 60.0
 """Longest wait for an answer [s of wall clock]; a reset builds a model, on a machine that may be busy."""
 PERIOD = 0.05
 """Between two checks whether there is an answer [s of wall clock]."""
+LOST = "the goal is lost"
+"""How it is said that nobody pursues a goal any more that was taken; the reason follows."""
 
 
 class GoalSender:
@@ -124,7 +127,10 @@ class GoalSender:
                 self._is_cancel_wanted = False
                 self._handle.cancel_goal_async()
             yield
-        self.result = ending.result().result
+        answer = ending.result()
+        if answer.status == GoalStatus.STATUS_UNKNOWN:
+            raise PackError(f"{LOST}: who pursued it was started anew, and knows nothing of it")
+        self.result = answer.result
         if self.result.message.startswith(REFUSED):
             raise PackError(f"the goal was {self.result.message}")
 
