@@ -26,6 +26,15 @@ SLOW = 0.25
 """Real-time factor of the simulator: a busy machine that halts the test for 0.2 s halts it for 50 ms of the
 driver's time, half of what the watchdog allows."""
 SIMULATOR = f"pack run pack_sim sim_node --ros-args -p scene:={EXAMPLE} -p real_time_factor:={SLOW}"
+RELAYED = f"python -m foreign_driver packing --ros-args -p scene:={EXAMPLE} -p real_time_factor:={SLOW}"
+"""The tests' own controller behind the relay."""
+WHAT_THE_RELAY_DOES = (
+    "test_what_comes_last_counts_also_when_its_stamp_is_earlier",
+    "test_it_stops_when_the_sender_dies_and_follows_the_next_one",
+    "test_bad_setpoints_neither_move_nor_end_it_and_are_counted",
+)
+"""Tests that run against the relay, too; all of them pass there, in a minute
+(`--driver "python -m foreign_driver packing" --driver-name relay`)."""
 END_TIME = 10.0
 """For which a driver may take to end after an interrupt [s]."""
 
@@ -78,7 +87,13 @@ def named(config: pytest.Config) -> PositionDriver | None:
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    """Run the tests of a driver that is led along positions against each of them."""
+    """Run the tests against each driver that they are for."""
+    if "rig" in metafunc.fixturenames:
+        is_for_both = metafunc.function.__name__ in WHAT_THE_RELAY_DOES and named(metafunc.config) is None
+        drivers = {"simulator": SIMULATOR, "relay": RELAYED} if is_for_both else {"simulator": SIMULATOR}
+        metafunc.parametrize(
+            "driver_domain", list(drivers.values()), ids=list(drivers), scope="module", indirect=True
+        )
     if "position_driver" in metafunc.fixturenames:
         own = named(metafunc.config)
         drivers = AT_HAND if own is None else tuple({own} if own.cell != "packing" else ())
@@ -111,13 +126,14 @@ def driver_on_domain(config: pytest.Config, command: str) -> Iterator[int]:
 
 
 @pytest.fixture(scope="module")
-def driver_domain(pytestconfig: pytest.Config) -> Iterator[int]:
-    """The ROS domain of the packing cell's driver, for all tests: a robot is not started anew for each."""
+def driver_domain(request: pytest.FixtureRequest, pytestconfig: pytest.Config) -> Iterator[tuple[str, int]]:
+    """The packing cell's driver and its ROS domain, for all tests: a robot is not started anew for each."""
     own = named(pytestconfig)
     if own is not None and own.cell != "packing":
         pytest.skip(f"the driver under test drives the arm of the {own.cell} cell")
-    with driver_on_domain(pytestconfig, own.command if own else SIMULATOR) as domain:
-        yield domain
+    name = pytestconfig.getoption("--driver-name", None) or ("relay" if request.param == RELAYED else "sim")
+    with driver_on_domain(pytestconfig, own.command if own else request.param) as domain:
+        yield name, domain
 
 
 @pytest.fixture(scope="module")
@@ -144,11 +160,12 @@ def position_rig(position_driver: tuple[PositionDriver, int]) -> Iterator[Positi
 
 
 @pytest.fixture
-def rig(pytestconfig: pytest.Config, driver_domain: int) -> Iterator[DriverRig]:
+def rig(pytestconfig: pytest.Config, driver_domain: tuple[str, int]) -> Iterator[DriverRig]:
     """A sender of setpoints and a probe beside the driver, whose arm is at rest."""
-    graph = Graph(driver_domain)
+    name, domain = driver_domain
+    graph = Graph(domain)
     arm = PACKING_ARMS[pytestconfig.getoption("--driver-arm", None) or packing_cell().robot.model]
-    rig = DriverRig(graph, arm, pytestconfig.getoption("--driver-name", None) or "sim")
+    rig = DriverRig(graph, arm, name)
     try:
         rig.wait_for_driver()
         yield rig

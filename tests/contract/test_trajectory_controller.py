@@ -128,6 +128,29 @@ def test_after_a_stop_nothing_moves_until_there_is_another_trajectory() -> None:
     assert np.ptp(run(made, 2.0)) == 0.0
 
 
+def test_efforts_are_fed_forward_linearly_and_end_with_the_command_timeout() -> None:
+    made = controller()
+    made.drives_effort = made.may_end_moving = True
+    made.command_timeout = 0.1
+    made.take((Waypoint(0.0, row(0.0), row(0.1), effort=row(2.0)),
+               Waypoint(0.2, row(0.02), row(0.1), effort=row(6.0))), 0.0)  # fmt: skip
+    efforts = [made.update(k * H, row(0.01), row(0.0))[2][0] for k in range(1, 400)]
+    assert efforts[99] == pytest.approx(4.0)
+    assert efforts[250] == 6.0, "after its end the last point stands as it is"
+    assert (efforts[350], made.state.reference[0][0]) == (0.0, 0.01), "then the arm is held where it is"
+
+
+def test_a_trajectory_is_joined_from_what_was_desired_last_where_that_is_set() -> None:
+    for joins in (False, True):
+        made = controller()
+        made.interpolates_from_desired = joins
+        made.take(through((0.1, 0.2), (0.3, 0.2)), 0.0)
+        run(made, 0.2)
+        made.take(through((0.1, 0.5)), 0.0)
+        first = made.update(0.201, row(0.15), row(0.0))[0][0]
+        assert first == pytest.approx(0.2 if joins else 0.15, abs=1e-3)
+
+
 @pytest.mark.parametrize(
     ("points", "stamp", "why"),
     [

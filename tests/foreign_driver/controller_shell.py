@@ -91,6 +91,8 @@ class ControllerShell:
         try:
             points = self._points(message)
             with self._lock:
+                if why := self._refusal():
+                    raise Rejected(why)
                 self._controller.take(points, from_stamp(message.header.stamp))
         except Rejected as reason:
             self._node.get_logger().warning(f"trajectory ignored: {reason}")
@@ -149,7 +151,8 @@ class ControllerShell:
             if (q := column(point.positions)) is None:
                 raise Rejected("a point without a position of each joint")
             offset = from_stamp(point.time_from_start)
-            points.append(Waypoint(offset, q, column(point.velocities), column(point.accelerations)))
+            others = (column(values) for values in (point.velocities, point.accelerations, point.effort))
+            points.append(Waypoint(offset, q, *others))
         return tuple(points)
 
     def _tolerances(self, request: FollowJointTrajectory.Goal) -> Tolerances:

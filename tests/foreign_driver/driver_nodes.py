@@ -11,10 +11,12 @@ from typing import Any
 import numpy as np
 
 from foreign_driver.controller_shell import ControllerShell
+from foreign_driver.effort_arm import EffortLaw, effort_controller
 from foreign_driver.joint_trajectory_controller import JointTrajectoryController, Tolerances
 from foreign_driver.trajectory_follower import TrajectoryFollower
 from pack_core.ros.contracts.contract import Contract
 from pack_sim.blocks.blocks_sim_node import BlocksSimNode
+from pack_sim.packing.sim_node import PackingSimNode
 from pack_sim.palletizing.pallet_sim_node import PalletSimNode
 from pack_sim.ros.physics_node import PhysicsNode
 
@@ -51,13 +53,15 @@ class TrajectoryDriven(PhysicsNode):
         self, setpoints: Contract, sender: str, joints: Sequence[str], services: Iterable[Any], factor: float,
         camera: Any = None,
     ) -> None:  # fmt: skip
-        none = np.zeros(len(joints))
-        self.controller = JointTrajectoryController(len(joints), Tolerances(none, none))
+        self.controller = self._make_controller(len(joints))
         self.shell = ControllerShell(
             self, CONTROLLER, tuple(joints), self.controller, self.lock, self._refusal
         )
         self._drive(self._simulated)
         super().start(setpoints, NOBODY, joints, services, factor, camera)
+
+    def _make_controller(self, n: int) -> JointTrajectoryController:
+        return JointTrajectoryController(n, Tolerances(np.zeros(n), np.zeros(n)))
 
     def destroy_node(self) -> None:
         self.stop()
@@ -86,4 +90,16 @@ class PalletDriverNode(TrajectoryDriven, PalletSimNode):
     """The KR 210 of the palletizing cell."""
 
 
-NODES = {"blocks": BlocksDriverNode, "palletizing": PalletDriverNode}
+class PackingDriverNode(TrajectoryDriven, PackingSimNode):
+    """The Panda of the packing cell, by effort: the node `relay` sends it trajectories."""
+
+    def _make_controller(self, n: int) -> JointTrajectoryController:
+        return effort_controller(n)
+
+    def _drive(self, simulator: Any) -> None:
+        super()._drive(simulator)
+        simulator.controller = EffortLaw(simulator.cell.robot)
+        simulator.follower = TrajectoryFollower(self.controller, self.shell.after_cycle, "tau")
+
+
+NODES = {"packing": PackingDriverNode, "palletizing": PalletDriverNode, "blocks": BlocksDriverNode}

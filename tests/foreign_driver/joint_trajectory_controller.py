@@ -41,6 +41,8 @@ class Waypoint:
     q: Array
     v: Array | None = None
     a: Array | None = None
+    effort: Array | None = None
+    """Fed forward to effort interfaces, linearly between points."""
 
 
 @dataclass(frozen=True)
@@ -92,6 +94,12 @@ class JointTrajectoryController:
         speed: what the operator's slider is at, 0 to 1.
         scaling: trajectory seconds a second; it follows the slider within `RAMP` from 0 to 1.
         stop_time: time in which a stopped arm comes to rest [s].
+        drives_effort: whether it commands efforts, and stops by a hold where the arm is measured; otherwise
+            it commands positions.
+        interpolates_from_desired: whether a trajectory is joined from what was desired last, or from where
+            the arm is measured.
+        may_end_moving: whether a trajectory may end with a velocity; its last point then stands as it is.
+        command_timeout: time after the end of a trajectory at which the arm is held where it is [s]; 0: never
     """
 
     n: int
@@ -99,6 +107,10 @@ class JointTrajectoryController:
     speed: float = 1.0
     scaling: float = 1.0
     stop_time: float = 0.5
+    drives_effort: bool = False
+    interpolates_from_desired: bool = False
+    may_end_moving: bool = False
+    command_timeout: float = 0.0
     goal: Goal | None = None
     is_stopped: bool = False
     state: State | None = None
@@ -146,7 +158,9 @@ class JointTrajectoryController:
     def stop(self) -> None:
         """An emergency stop: brake, give the goal up, and take nothing until `release`."""
         self._end_goal(Outcome.ABORTED, INVALID_GOAL, "the robot was stopped")
-        if self.state is not None and not self.is_stopped:
+        if self.drives_effort:
+            self._hold = None
+        elif self.state is not None and not self.is_stopped:
             self._brake = self.state.time, self.state.reference
         self.is_stopped, self._points = True, ()
 
@@ -187,17 +201,39 @@ class JointTrajectoryController:
             return self._hold
         tau = self._clock - self._start
         if self._before is None:  # the first cycle of this trajectory
-            rest = np.zeros(self.n)
-            self._before = Waypoint(tau, q.copy(), rest, rest)
+            self._before = self._joined(tau, q)
         points, k = self._points, self._next
         while k < len(points) and points[k].offset <= tau:
             k += 1
         if k == len(points):
-            return points[-1].q, np.zeros(self.n), np.zeros(self.n)
+            return self._after_end(points[-1], tau, q)
+        start = points[k - 1] if k else self._before
         if k != self._next or self._spline is None:
-            self._next, self._spline = k, Spline(points[k - 1] if k else self._before, points[k])
+            self._next, self._spline = k, Spline(start, points[k])
         position, velocity, acceleration = self._spline.at(tau)
-        return position, self.scaling * velocity, self.scaling**2 * acceleration
+        effort = effort_between(start, points[k], tau)
+        forward = self.scaling**2 * acceleration if effort is None else effort
+        return position, self.scaling * velocity, forward
+
+    def _joined(self, tau: float, q: Array) -> Waypoint:
+        """Where the way to the first point of a new trajectory begins, at its time `tau` [s]."""
+        rest = np.zeros(self.n)
+        if not self.interpolates_from_desired or self.state is None:
+            return Waypoint(tau, q.copy(), rest, rest)
+        position, velocity, forward = self.state.reference
+        if self._points[0].effort is None:
+            return Waypoint(tau, position, velocity, forward)
+        return Waypoint(tau, position, velocity, effort=forward)
+
+    def _after_end(self, last: Waypoint, tau: float, q: Array) -> Desired:
+        """The last point, until the arm is held; with a velocity and an effort, where it may have them."""
+        rest = np.zeros(self.n)
+        if 0.0 < self.command_timeout < tau - last.offset:
+            self._points, self._hold = (), (q.copy(), rest, rest)
+            return self._hold
+        if not self.may_end_moving or last.v is None:
+            return last.q, rest, rest
+        return last.q, last.v, rest if last.effort is None else last.effort
 
     def _braked(self, time: float) -> Desired:
         """Every joint slows down evenly to rest within `stop_time`."""
@@ -254,17 +290,31 @@ class JointTrajectoryController:
         offsets = np.array([point.offset for point in points])
         if np.any(np.diff(offsets) <= 0.0) or offsets[0] < 0.0:
             raise Rejected("times from the start that do not rise")
-        if any(len(column) != self.n for p in points for column in (p.q, p.v, p.a) if column is not None):
+        if any(
+            len(column) != self.n
+            for p in points
+            for column in (p.q, p.v, p.a, p.effort)
+            if column is not None
+        ):
             raise Rejected(f"points of another size than the {self.n} joints")
         if stamp and stamp + offsets[-1] < self.state.time:
             raise Rejected("a trajectory that ends in the past")
-        if points[-1].v is not None and np.abs(points[-1].v).max() > 1e-9:
+        last = points[-1].v
+        if last is not None and np.abs(last).max() > 1e-9 and not self.may_end_moving:
             raise Rejected("a trajectory whose last velocity is not zero")
 
 
 def beyond(error: Array, tolerance: Array) -> bool:
     """Whether a joint is farther off than allowed, where that is enforced."""
     return bool(np.any((tolerance > 0.0) & (np.abs(error) > tolerance)))
+
+
+def effort_between(start: Waypoint, end: Waypoint, tau: float) -> Array | None:
+    """What is fed forward between two points at a trajectory's time [s]; None where either states none."""
+    if start.effort is None or end.effort is None:
+        return None
+    share = (tau - start.offset) / (end.offset - start.offset)
+    return np.asarray((1.0 - share) * start.effort + share * end.effort)
 
 
 class Spline:

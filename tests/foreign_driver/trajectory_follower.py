@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from foreign_driver.joint_trajectory_controller import JointTrajectoryController
-from pack_core.joints import Desired, Setpoints
+from pack_core.joints import Desired, FeedForward, Setpoints
 from pack_core.rotations import Array
 
 
@@ -15,14 +15,17 @@ class TrajectoryFollower:
     Args:
         controller: the controller.
         after_cycle: is called after each of its cycles.
+        feed_forward: what its trajectories state besides positions and velocities.
     """
 
-    feed_forward = "a"
+    is_holding = False
+    """Whether the simulator's own law shall brake: never, as this controller holds by itself."""
 
     def __init__(
-        self, controller: JointTrajectoryController, after_cycle: Callable[[], None] = lambda: None
-    ) -> None:
-        self._controller, self._after_cycle = controller, after_cycle
+        self, controller: JointTrajectoryController, after_cycle: Callable[[], None] = lambda: None,
+        feed_forward: FeedForward = "a",
+    ) -> None:  # fmt: skip
+        self._controller, self._after_cycle, self.feed_forward = controller, after_cycle, feed_forward
 
     def at(self, time: float, q: Array, v: Array) -> Desired:
         """What the joints shall do now."""

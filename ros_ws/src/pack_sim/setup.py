@@ -16,6 +16,7 @@ setup(
     entry_points={
         "console_scripts": [
             "blocks_sim_node = pack_sim.blocks.blocks_sim_node:main",
+            "effort_relay_node = pack_sim.packing.effort_relay_node:main",
             "sim_node = pack_sim.packing.sim_node:main",
             "pallet_sim_node = pack_sim.palletizing.pallet_sim_node:main",
         ]

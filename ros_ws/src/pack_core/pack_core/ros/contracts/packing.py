@@ -32,6 +32,10 @@ SETPOINTS = Contract(
     topics.SETPOINTS, JointTrajectory, ("mpc",), ("sim", "recorder"),
     "joint positions, velocities and feed-forward torques over the horizon, stamped with their start",
     qos=LATEST, rate="each iteration", recorded=True)
+CONTROLLER_TRAJECTORY = Contract(
+    "/joint_trajectory_controller/joint_trajectory", JointTrajectory, ("user",), ("user",),
+    "the same from the node `relay` to a driver's controller, where `relay.joint_trajectory` names it",
+    qos=LATEST, rate="each iteration")
 MARKERS = Contract(
     topics.MARKERS, MocapMarkers, ("sim",), ("perception", "recorder"),
     "markers that at least two cameras see", qos=STREAM, rate=hz(topics.MARKER_RATE), recorded=True)
