@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from std_msgs.msg import String
 
 from integration.harness import Graph
 from pack_bringup.cli.play import heard_by
@@ -22,6 +23,7 @@ from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.table import wiring_of
 from pack_core.ros.messages.conversions import from_stamp
 from pack_core.ros.messages.scene import from_scene
+from pack_core.ros.node import CellNode
 from pack_evaluation.packing.from_bag import load_run
 from pack_evaluation.track import to_tracks
 from pack_perception.mocap.perception_node import PerceptionNode
@@ -83,12 +85,19 @@ def _newest(graph: Graph) -> float:
     return from_stamp(last.clock) if last else 0.0
 
 
-def test_late_joiners_get_the_recorded_description(graph: Graph, playback: Playback) -> None:
-    with BagPlayer(playback, clock=False, domain=graph.context.get_domain_id()) as player:
+def test_late_joiners_of_its_namespace_get_the_recorded_description(graph: Graph, playback: Playback) -> None:
+    looker = graph.start(lambda **kwargs: CellNode("looker", namespace="/left", **kwargs))
+    looker.watch(("sim",))
+    heard: list[String] = []
+    domain = graph.context.get_domain_id()
+    with BagPlayer(playback, clock=False, stand_in=("sim",), domain=domain, namespace="/left") as player:
         with played(graph, player) as done:
+            graph.wait_until(lambda: looker.hears("sim"))
             graph.wait_until(done.done, timeout=30.0)
+        looker.listen(contracts.DESCRIPTION, heard.append)
         graph.probe.listen(contracts.DESCRIPTION)
-        graph.wait_until(lambda: graph.probe.last(contracts.DESCRIPTION))
+        graph.wait_until(lambda: heard)
+    assert graph.probe.last(contracts.DESCRIPTION) is None, "the cell in no namespace hears nothing of it"
 
 
 def test_a_message_type_that_has_changed_since_is_refused(playback: Playback) -> None:

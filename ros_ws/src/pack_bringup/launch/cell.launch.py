@@ -7,6 +7,7 @@ Arguments:
     order: an order's file, which is sent as a goal once the cell is up (palletizing).
     preset: conditions, a file of config/presets/<cell>; empty: the configuration files as they are.
     domain: ROS domain id; empty: the environment's.
+    namespace: of the cell, such as left; empty: none. Two cells of one domain need one each.
     live: whether to serve the page in the browser.
     record: goals, always or never; empty: as config/nodes/<cell>/recorder.yaml has it.
     keystore: a folder of keys without which nobody joins the cell (docs/operate/security.md); empty: none.
@@ -33,6 +34,7 @@ from pack_bringup.graph.launch import (
 )
 from pack_bringup.viewers import PageProcess
 from pack_core.cells import CELLS
+from pack_core.namespace import ROOT, checked_namespace
 
 PAGE_PORT = 8210
 OPTIONAL = {
@@ -41,6 +43,7 @@ OPTIONAL = {
     "order": "an order's file, sent as a goal once the cell is up (palletizing)",
     "preset": "conditions: a file of config/presets/<cell>",
     "domain": "ROS domain id; empty: the environment's",
+    "namespace": "of the cell; two cells of one domain need one each",
     "record": "goals, always or never; empty: as configured",
     "keystore": "folder of keys, made by tools/keystore.sh; empty: no security",
     "set": "parameters over the files', e.g. sim.real_time_factor=0.5",
@@ -68,16 +71,19 @@ def start_cell(context: LaunchContext) -> list[Any]:
     keystore = given["keystore"]
     actions += [SetEnvironmentVariable(*item) for item in security_environment(keystore).items()]
     settings = [*launch_settings(cell, given), *given["set"].split()]
-    actions += start_nodes(cell, given["preset"], settings, keystore)
+    namespace = checked_namespace(given["namespace"])
+    actions += start_nodes(cell, given["preset"], settings, keystore, namespace)
     if is_yes("live", given["live"]):
-        (page,) = PageProcess(cell, PAGE_PORT).commands().values()
+        (page,) = PageProcess(cell, PAGE_PORT, namespace=namespace).commands().values()
         actions.append(ExecuteProcess(cmd=page, output="screen"))
-    if order := order_command(cell, given["order"]):
+    if order := order_command(cell, given["order"], namespace):
         actions.append(ExecuteProcess(cmd=order, output="screen"))
     return actions
 
 
-def start_nodes(cell: str, preset: str, settings: list[str], keystore: str = "") -> list[Node]:
+def start_nodes(
+    cell: str, preset: str, settings: list[str], keystore: str = "", namespace: str = ROOT
+) -> list[Node]:
     """One launch action for each node of the graph file."""
     parameters = launch_parameters(cell, preset, settings)
     return [
@@ -85,7 +91,11 @@ def start_nodes(cell: str, preset: str, settings: list[str], keystore: str = "")
             package=node.package,
             executable=node.executable,
             name=node.name,
-            parameters=[str(node.parameters_path), parameters[node.name]],
+            namespace=namespace,
+            parameters=[
+                str(node.parameters_path) if namespace == ROOT else node.file_values(),
+                parameters[node.name],
+            ],
             ros_arguments=enclave_arguments(keystore, cell, node.name),
             output="screen",
         )

@@ -5,11 +5,12 @@ import sys
 from types import ModuleType, SimpleNamespace
 
 import pytest
+import yaml
 
 from pack_bringup.graph.graph import load_graph
 from pack_core.cells import CELLS
 from pack_core.errors import ConfigError
-from pack_core.paths import project_root
+from pack_core.paths import config_path, project_root
 
 FILE = project_root() / "ros_ws" / "src" / "pack_bringup" / "launch" / "cell.launch.py"
 
@@ -68,7 +69,7 @@ def test_every_registered_cell_can_be_chosen(launch_file: ModuleType) -> None:
     first, *others = launch_file.generate_launch_description().args[0][:-1]
     assert first.choices == list(CELLS)
     assert {argument.args[0] for argument in others} == {
-        "seed", "scene", "order", "preset", "domain", "live", "record", "keystore", "set",
+        "seed", "scene", "order", "preset", "domain", "live", "record", "keystore", "set", "namespace",
     }  # fmt: skip
     assert all(argument.description for argument in others)
 
@@ -97,6 +98,24 @@ def test_the_domain_comes_first_and_page_and_order_are_processes_beside_the_node
     page, order = actions[-2:]
     assert any("live_node" in part for part in page.cmd)
     assert order.cmd == ["pack", "goal", "palletizing", "--order", "order_03.json"]
+
+
+def test_in_a_namespace_nodes_get_what_their_files_give_and_page_and_order_are_of_that_cell(
+    launch_file: ModuleType,
+) -> None:
+    actions = start(
+        launch_file, cell="palletizing", namespace="left", live="true", order="a.json", set="sim.seed=5"
+    )
+    nodes = [action for action in actions if hasattr(action, "namespace")]
+    assert {node.namespace for node in nodes} == {"/left"}
+    sim = next(node for node in nodes if node.name == "sim")
+    # A file's key is the name of a node in no namespace, so its values are given instead.
+    file = yaml.safe_load(config_path("nodes", "palletizing", "sim.yaml").read_text())
+    assert sim.parameters[0] == file["sim"]["ros__parameters"]
+    assert sim.parameters[1]["seed"] == 5
+    page, order = actions[-2:]
+    assert "__ns:=/left" in page.cmd
+    assert order.cmd[-2:] == ["--namespace", "/left"]
 
 
 @pytest.mark.parametrize(

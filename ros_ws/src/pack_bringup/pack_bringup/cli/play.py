@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.progress import BarColumn, Progress, TextColumn
 
-from pack_bringup.cli.options import PORT, Network, Port, prepare_network
+from pack_bringup.cli.options import PORT, Namespace, Network, Port, prepare_network
 from pack_bringup.cli.terminal import end_as_by_ctrl_c
 
 if TYPE_CHECKING:
@@ -43,6 +43,7 @@ def play(
     domain: Annotated[
         int | None, typer.Option(min=0, max=101, help="ROS domain id; the environment's if not given.")
     ] = None,
+    namespace: Namespace = "",
     network: Network = "",
     live: Annotated[
         bool, typer.Option("--live", help="Show the recording in the browser instead of publishing it.")
@@ -72,7 +73,7 @@ def play(
     playback = load_playback(bag, topics, heard, start=start, end=end)
     senders = sorted({s for c in wiring if c.name in playback.topics for s in c.sources} - {node, "all"})
     end_as_by_ctrl_c()
-    with BagPlayer(playback, clock=clock, stand_in=senders, domain=domain) as player:
+    with BagPlayer(playback, clock=clock, stand_in=senders, domain=domain, namespace=namespace) as player:
         if unheard := player.wait_for_listeners(wait):
             typer.echo(f"nobody listens to {', '.join(unheard)}")
         try:

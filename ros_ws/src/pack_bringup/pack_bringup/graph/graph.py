@@ -35,6 +35,12 @@ class NodeEntry(Config):
         """The node's parameter file."""
         return config_path(*Path(self.parameters).parts)
 
+    def file_values(self) -> Mapping[str, Any]:
+        """What the parameter file gives, for a node in a namespace: the file's key names one in none."""
+        from pack_lockstep.node_parameters import parameters_of
+
+        return parameters_of(self.parameters.removeprefix("nodes/").removesuffix(".yaml"))[0]
+
     def command(self, overrides: Mapping[str, str] | None = None, namespace: str = ROOT) -> list[str]:
         """The argument list that starts this node as a process of its own.
 
@@ -52,12 +58,9 @@ class NodeEntry(Config):
         command += ["-r", f"__node:={self.name}"]
         if namespace == ROOT:
             command += ["--params-file", str(self.parameters_path)]
-        else:  # what the file has is of the node of this name that is in no namespace
-            from pack_lockstep.node_parameters import parameters_of
-
-            given, _ = parameters_of(self.parameters.removeprefix("nodes/").removesuffix(".yaml"))
+        else:
             command += ["-r", f"__ns:={namespace}"]
-            parameters = {**flat_parameters(given), **parameters}
+            parameters = {**flat_parameters(self.file_values()), **parameters}
         for name, value in parameters.items():
             command += ["-p", f"{name}:={value}"]
         return command

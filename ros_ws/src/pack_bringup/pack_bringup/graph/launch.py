@@ -10,6 +10,7 @@ from pack_bringup.graph.graph import load_graph, parse_overrides, preset_overrid
 from pack_bringup.recording.run_record import Record
 from pack_core.config import merged
 from pack_core.errors import ConfigError
+from pack_core.namespace import ROOT
 from pack_core.text.yaml_text import parse_yaml
 
 SCENE_PARAMETERS = {"packing": "sim.scene", "blocks": "sim.problem"}
@@ -46,7 +47,7 @@ def launch_settings(cell: str, arguments: Mapping[str, str]) -> list[str]:
     return settings
 
 
-def order_command(cell: str, order: str) -> list[str]:
+def order_command(cell: str, order: str, namespace: str = ROOT) -> list[str]:
     """The command that sends the palletizing cell an order once it is up; empty where none is given.
 
     Raises:
@@ -56,7 +57,8 @@ def order_command(cell: str, order: str) -> list[str]:
         return []
     if cell != "palletizing":
         raise ConfigError(f"order:={order}: only the cell 'palletizing' takes orders, not '{cell}'")
-    return ["pack", "goal", "palletizing", "--order", order]
+    where = [] if namespace == ROOT else ["--namespace", namespace]
+    return ["pack", "goal", "palletizing", "--order", order, *where]
 
 
 def is_yes(name: str, value: str) -> bool:

@@ -11,6 +11,7 @@ from typing import Any, Self
 import rclpy
 from rclpy.context import Context
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 
@@ -19,8 +20,10 @@ from pack_bringup.recording.ros.recorded_topics import message_types
 from pack_core import stamps
 from pack_core.bag_topic import Topic
 from pack_core.errors import BagError
+from pack_core.namespace import ROOT, below
 from pack_core.ros.contracts import shared
 from pack_core.ros.messages.conversions import to_stamp
+from pack_core.ros.node import OUTSIDE_CELLS
 from pack_core.ros.run import confirm_network, start_ros
 from pack_core.ros.watch.peer_watch import SignOfLife
 from pack_core.ros.watch.watch_socket import WatchSocket
@@ -32,6 +35,15 @@ PATIENCE = 0.02
 """The longest sleep, and the time between two assertions that the senders are alive [s of wall clock]."""
 
 
+class PlayerNode(Node):
+    """Has the names of a recording below its namespace, as the nodes of a cell have them."""
+
+    def create_publisher(self, msg_type: Any, topic: str, *args: Any, **kwargs: Any) -> Publisher:
+        """As of every node."""
+        name = topic if topic in OUTSIDE_CELLS else below(self.get_namespace(), topic)
+        return super().create_publisher(msg_type, name, *args, **kwargs)
+
+
 class BagPlayer:
     """A node that speaks for those that sent what was recorded; a context manager.
 
@@ -40,19 +52,21 @@ class BagPlayer:
         clock: publish /clock, too, which keeps to the rate.
         stand_in: names of nodes that others shall believe to be alive meanwhile.
         domain: ROS domain; the environment's if None.
+        namespace: of the cell that hears it, as rcl writes it; recordings have the names of none.
 
     Raises:
         BagError: a topic's message type is not installed, or is another now than when it was recorded.
     """
 
     def __init__(
-        self, playback: Playback, *, clock: bool, stand_in: Collection[str] = (), domain: int | None = None
-    ) -> None:
+        self, playback: Playback, *, clock: bool, stand_in: Collection[str] = (), domain: int | None = None,
+        namespace: str = ROOT,
+    ) -> None:  # fmt: skip
         self._playback = playback
         classes = {name: _class_of(topic, playback) for name, topic in playback.topics.items()}
         self._context = Context()
         start_ros(context=self._context, domain_id=domain)
-        self._node = Node("player", context=self._context)
+        self._node = PlayerNode("player", context=self._context, namespace=namespace)
         confirm_network()
         self._publishers = {
             name: self._node.create_publisher(classes[name], name, _qos_of(topic))
@@ -62,7 +76,10 @@ class BagPlayer:
             self._node.create_publisher(Clock, shared.CLOCK.name, shared.CLOCK.qos) if clock else None
         )
         self._signs, self._given = [SignOfLife(self._node, name) for name in stand_in], 0.0
-        self._watch_sockets = [WatchSocket(self._context.get_domain_id(), name) for name in stand_in]
+        self._watch_sockets = [
+            WatchSocket(self._context.get_domain_id(), below(namespace, f"/{name}").removeprefix("/"))
+            for name in stand_in
+        ]
 
     def __enter__(self) -> Self:
         return self
