@@ -13,6 +13,7 @@ import pytest
 import yaml
 from urdf_parser_py.urdf import URDF
 
+from pack_bringup.graph.launch import launch_parameters
 from pack_core.bodies import body_pose
 from pack_core.cells import CELLS, cell_part
 from pack_core.robots.moveit import CONTROLLER, GROUP, MOCK, MUJOCO, SCENE, TOOL, PlannedRobot
@@ -22,25 +23,30 @@ STILL = 1.0
 """The MuJoCo model is left to itself for so long [s]."""
 
 
+ROBOTS = (*((cell, "") for cell in CELLS), ("packing", "iiwa14"))
+"""Each cell's robot, and presets with another arm."""
+
+
 @cache
-def robot_of(cell: str) -> PlannedRobot:
-    robot: PlannedRobot = cell_part(cell, "robot")()
+def robot_of(cell: str, preset: str) -> PlannedRobot:
+    robot: PlannedRobot = cell_part(cell, "robot")(launch_parameters(cell, preset, ())["sim"])
+    assert robot.name == preset or not preset
     return robot
 
 
 @cache
-def files_of(cell: str) -> Mapping[str, str]:
-    return robot_of(cell).files()
+def files_of(cell: str, preset: str) -> Mapping[str, str]:
+    return robot_of(cell, preset).files()
 
 
-@pytest.fixture(params=CELLS)
+@pytest.fixture(params=ROBOTS, ids="".join)
 def robot(request: pytest.FixtureRequest) -> PlannedRobot:
-    return robot_of(request.param)
+    return robot_of(*request.param)
 
 
 @pytest.fixture
 def files(robot: PlannedRobot, request: pytest.FixtureRequest) -> Mapping[str, str]:
-    return files_of(request.node.callspec.params["robot"])
+    return files_of(*request.node.callspec.params["robot"])
 
 
 def transform(xyz: Array, rpy: Array) -> Array:

@@ -56,6 +56,9 @@ def check(
 def robot(
     cell: Annotated[str, typer.Argument(help=f"Whose robot: {', '.join(CELLS)}.")],
     output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Where the files go.")],
+    preset: Annotated[
+        str, typer.Option(metavar="NAME", help="A preset with another arm: iiwa14 of packing.")
+    ] = "",
 ) -> None:
     """Write a cell's robot as files for MoveIt and ros2_control (docs/operate/moveit.md).
 
@@ -63,8 +66,11 @@ def robot(
     controllers for ros2_control, the URDF with hardware tags for a mock and for MuJoCo, and MuJoCo's model.
 
     - `pack robot palletizing --output kr210_description`
+    - `pack robot packing --preset iiwa14 --output iiwa14_description`
     """
-    made = cell_part(cell, "robot")()
+    from pack_bringup.graph.launch import launch_parameters
+
+    made = cell_part(cell, "robot")(launch_parameters(cell, preset, ())["sim"])
     make_output_folder(output)
     for name, text in made.files().items():
         (output / name).write_text(text)
