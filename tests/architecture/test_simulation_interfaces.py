@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import importlib
 import re
+import sys
+from types import ModuleType
 
 import pytest
+from pack_interfaces.msg import SimulationResult
 
 from pack_core.paths import project_root
+from pack_core.ros import simulation_types
 
 FOLDER = project_root() / "ros_ws" / "src" / "pack_interfaces"
 PARTS = {"SimulationResult": "Result"}
@@ -51,3 +56,25 @@ def test_fields_are_those_that_are_published_in_their_order(file: str) -> None:
 def test_constants_have_the_published_values(file: str) -> None:
     found = dict(line.removeprefix("uint8 ").split("=") for line in statements(file) if "=" in line)
     assert {name.strip().removeprefix("RESULT_"): int(value) for name, value in found.items()} == CODES[file]
+
+
+def test_types_of_a_distribution_s_package_are_taken_where_it_is_installed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert simulation_types.Result is SimulationResult, "the wheels of ROS 2 have no such package"
+    theirs = {"msg": ("Result", "SimulationState"), "srv": ("GetSimulationState", "SetSimulationState")}
+    for kind, names in theirs.items():
+        module = ModuleType(f"simulation_interfaces.{kind}")
+        for name in names:
+            setattr(module, name, type(name, (), {}))
+        monkeypatch.setitem(sys.modules, module.__name__, module)
+    monkeypatch.setitem(sys.modules, "simulation_interfaces", ModuleType("simulation_interfaces"))
+    try:
+        taken = importlib.reload(simulation_types)
+        for kind, names in theirs.items():
+            module = sys.modules[f"simulation_interfaces.{kind}"]
+            assert all(getattr(taken, name) is getattr(module, name) for name in names)
+    finally:
+        monkeypatch.undo()
+        importlib.reload(simulation_types)
+    assert simulation_types.Result is SimulationResult

@@ -8,14 +8,14 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from pack_interfaces.msg import SimulationResult, SimulationState
-from pack_interfaces.srv import SetSimulationState, StopArm
+from pack_interfaces.srv import StopArm
 from rclpy.parameter import Parameter
 
 from integration.harness import Graph
 from pack_core.joints import JointSample
 from pack_core.ros.contracts import motion, shared
 from pack_core.ros.messages.conversions import from_stamp
+from pack_core.ros.simulation_types import Result, SetSimulationState, SimulationState
 from pack_core.rotations import Array
 from pack_motion.motion_node import MotionNode
 
@@ -81,7 +81,7 @@ def standing_without_setpoints(node: Any, accepted: list[float], fresh: float = 
     node.advance = advance
 
 
-def set_state(graph: Graph, state: int) -> SimulationResult:
+def set_state(graph: Graph, state: int) -> Result:
     """Ask the simulator for a state."""
     request = SetSimulationState.Request(state=SimulationState(state=state))
     return graph.call(shared.SET_SIMULATION_STATE, request).result
@@ -89,12 +89,12 @@ def set_state(graph: Graph, state: int) -> SimulationResult:
 
 def pause(graph: Graph) -> None:
     """Let simulated time stand still."""
-    assert set_state(graph, SimulationState.STATE_PAUSED).result == SimulationResult.RESULT_OK
+    assert set_state(graph, SimulationState.STATE_PAUSED).result == Result.RESULT_OK
 
 
 def play(graph: Graph) -> None:
     """Let simulated time go on."""
-    assert set_state(graph, SimulationState.STATE_PLAYING).result == SimulationResult.RESULT_OK
+    assert set_state(graph, SimulationState.STATE_PLAYING).result == Result.RESULT_OK
 
 
 def stop_arm(graph: Graph) -> None:

@@ -15,7 +15,7 @@ from asyncua import ua
 from asyncua.crypto.cert_gen import setup_self_signed_certificate
 from cryptography.x509.oid import ExtendedKeyUsageOID
 from pack_interfaces.action import Rearrange
-from pack_interfaces.msg import ArmState, RearrangeStatus, SimulationState
+from pack_interfaces.msg import ArmState, RearrangeStatus
 from pack_interfaces.srv import ResetScene, StopArm
 from std_srvs.srv import Trigger
 
@@ -29,6 +29,7 @@ from pack_core.paths import config_path, project_root
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.goal_node import GoalNode
+from pack_core.ros.simulation_types import SimulationState
 
 CLIENT_URI = "urn:packcell:test:plc"
 TEXT, COUNT = ua.VariantType.String, ua.VariantType.UInt32

@@ -4,8 +4,8 @@ import socket
 from types import SimpleNamespace
 
 import pytest
-from pack_interfaces.msg import ArmState, NodeStatus, SimulationState
-from pack_interfaces.srv import ResetScene, SetSimulationState, StopArm
+from pack_interfaces.msg import ArmState, NodeStatus
+from pack_interfaces.srv import ResetScene, StopArm
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
@@ -19,6 +19,7 @@ from pack_core.paths import config_path
 from pack_core.robots.packing_arms import PACKING_ARMS
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
+from pack_core.ros.simulation_types import SetSimulationState, SimulationState
 from pack_mpc.mpc_node import MpcNode
 from pack_viewer.live_node import LiveNode
 from pack_viewer.packing.ros.packing_run_form import FILL

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import rclpy
-from pack_interfaces.msg import NodeStatus, SimulationState
+from pack_interfaces.msg import NodeStatus
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
@@ -19,6 +19,7 @@ from pack_core.ros.goal_sender import LOST, GoalSender
 from pack_core.ros.node import CellNode
 from pack_core.ros.node_status import LISTENING
 from pack_core.ros.run import confirm_network, start_ros
+from pack_core.ros.simulation_types import SimulationState
 from pack_core.ros.watch.peer_watch import SilentPeers, alive_topic
 
 GRACE = 1.0

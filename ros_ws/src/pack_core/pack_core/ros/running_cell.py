@@ -9,8 +9,8 @@ from functools import partial
 from typing import Any
 
 from action_msgs.srv import CancelGoal
-from pack_interfaces.msg import ArmState, NodeStatus, SimulationState
-from pack_interfaces.srv import SetSimulationState, StopArm
+from pack_interfaces.msg import ArmState, NodeStatus
+from pack_interfaces.srv import StopArm
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
@@ -21,6 +21,7 @@ from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.goal_sender import GoalSender
 from pack_core.ros.node import CellNode
 from pack_core.ros.node_status import LISTENING
+from pack_core.ros.simulation_types import SetSimulationState, SimulationState
 
 ANSWER = 5.0
 """A request without an answer for this long is told of [s of wall clock]."""

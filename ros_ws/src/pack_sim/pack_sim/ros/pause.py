@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import threading
 
-from pack_interfaces.msg import SimulationResult, SimulationState
-from pack_interfaces.srv import GetSimulationState, SetSimulationState
-
 from pack_core.ros.contracts import shared
 from pack_core.ros.node import CellNode
+from pack_core.ros.simulation_types import GetSimulationState, Result, SetSimulationState, SimulationState
 
 NAMES = {
     SimulationState.STATE_STOPPED: "stopped",
@@ -62,7 +60,7 @@ class Pause:
     ) -> SetSimulationState.Response:
         wanted, result = request.state.state, response.result
         if wanted not in (SimulationState.STATE_PLAYING, SimulationState.STATE_PAUSED):
-            result.result, result.error_message = SimulationResult.FEATURE_UNSUPPORTED, _refusal(wanted)
+            result.result, result.error_message = Result.FEATURE_UNSUPPORTED, _refusal(wanted)
             return response
         if wanted == self._message().state:
             result.result = SetSimulationState.Response.ALREADY_IN_TARGET_STATE
@@ -72,13 +70,13 @@ class Pause:
             self._playing.set() if wanted == SimulationState.STATE_PLAYING else self._playing.clear()
         self._node.get_logger().info(f"the simulator is {NAMES[wanted]}")
         self._publish()
-        result.result = SimulationResult.RESULT_OK
+        result.result = Result.RESULT_OK
         return response
 
     def _on_get(
         self, _: GetSimulationState.Request, response: GetSimulationState.Response
     ) -> GetSimulationState.Response:
-        response.state, response.result.result = self._message(), SimulationResult.RESULT_OK
+        response.state, response.result.result = self._message(), Result.RESULT_OK
         return response
 
     def _publish(self) -> None:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from diagnostic_msgs.msg import DiagnosticArray
-from pack_interfaces.msg import ArmState, NodeStatus, SimulationState
-from pack_interfaces.srv import GetSimulationState, SetSimulationState, StopArm
+from pack_interfaces.msg import ArmState, NodeStatus
+from pack_interfaces.srv import StopArm
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64, String
 from std_srvs.srv import Trigger
@@ -22,6 +22,7 @@ from pack_core.ros.contracts.contract import (
     contracts_in,
     hz,
 )
+from pack_core.ros.simulation_types import GetSimulationState, SetSimulationState, SimulationState
 
 # fmt: off
 CLOCK = Contract(
