@@ -152,3 +152,29 @@ def test_the_arm_holds_while_the_cameras_see_nothing_and_goes_on_when_they_do(ce
         simulator.mocap.config = config
     result = cell.graph.result_of(handle)
     assert result.success, result.message
+
+
+def weigh(cell: Cell, times: float) -> None:
+    """Have the held object weigh so many times as much."""
+    with cell.sim.lock:
+        body = cell.sim.simulator.model.body(cell.sim.simulator.scene.new_object.name)
+        body.mass[:] *= times
+        body.inertia[:] *= times
+
+
+def test_a_wrong_load_and_one_that_is_lost_unnoticed_are_named_and_a_right_one_is_packed(cell: Cell) -> None:
+    weigh(cell, 2.0)
+    heavy = cell.graph.result_of(cell.pack())
+    assert (heavy.success, heavy.exit_reason) == (False, "fault")
+    assert "instead of" in heavy.message
+    weigh(cell, 0.5)
+    handle = cell.pack()
+    cell.wait_for_motion()
+    lost_at = cell.time
+    weigh(cell, 1e-3)
+    lost = cell.graph.result_of(handle)
+    assert (lost.success, lost.exit_reason) == (False, "detached")
+    assert "does not hang from it" in lost.message
+    assert cell.time - lost_at < 0.5 + LIMIT
+    weigh(cell, 1e3)
+    assert cell.graph.result_of(cell.pack()).exit_reason == "placed"

@@ -1,0 +1,61 @@
+"""What the wrench tells of the mass that hangs from the cup."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pack_core.rotations import Array, exp, to_matrix
+from pack_mpc.load_estimate import GRAVITY, LoadConfig, LoadEstimate
+
+MASS = 0.35
+PERIOD = 0.024
+SECOND = round(1.0 / PERIOD)
+
+
+def run(true: list[float], bias: Array, swing: float, seed: int = 0) -> list[float]:
+    """Probabilities of a wrong mass while `true` [kg] hangs there, swung by up to `swing` [m/s^2]."""
+    rng, estimate, probabilities = np.random.default_rng(seed), LoadEstimate(MASS, LoadConfig()), []
+    for k, mass in enumerate(true):
+        R_NW = to_matrix(exp(0.05 * np.sin([0.1 * k, 0.2 * k, 0.3 * k])))
+        a_W = swing * np.sin([0.5 * k, 0.4 * k, 0.6 * k])
+        force = R_NW @ (MASS * GRAVITY - mass * (a_W + GRAVITY)) + bias + 0.1 * rng.normal(size=3)
+        estimate.update(force, R_NW, a_W, PERIOD)
+        probabilities.append(estimate.wrong)
+    return probabilities
+
+
+NONE = np.zeros(3)
+OFF = np.array([1.2, -0.8, -2.0])
+
+
+def test_a_sensor_without_bias_tells_a_wrong_mass_at_rest() -> None:
+    assert max(run([MASS] * SECOND, NONE, 0.0)) < 0.01
+    for share in (0.0, 2.0):
+        assert run([share * MASS] * 12, NONE, 0.0)[-1] > 0.99
+
+
+def test_a_biased_sensor_tells_nothing_at_rest_and_the_mass_while_it_is_moved() -> None:
+    empty = [0.0] * SECOND
+    assert run(empty, OFF, 0.0)[-1] < 0.99
+    assert run(empty, OFF, 2.0)[-1] > 0.99
+    assert max(run([MASS] * 4 * SECOND, OFF, 2.0)) < 0.5
+
+
+@pytest.mark.parametrize("bias", [NONE, OFF])
+def test_a_loss_is_told_at_once_also_by_a_biased_sensor(bias: Array) -> None:
+    probabilities = run([MASS] * SECOND + [0.0] * 5, bias, 0.2)
+    assert max(probabilities[:SECOND]) < 0.5
+    assert probabilities[-1] > 0.99
+
+
+def test_a_description_that_is_off_by_a_quarter_is_no_fault() -> None:
+    for share in (0.75, 1.25):
+        assert max(run([share * MASS] * 2 * SECOND, NONE, 1.0)) < 0.9
+
+
+def test_false_alarms_are_as_rare_as_the_certainty_says() -> None:
+    """No alarm in 300 seconds with biases of 1.5 N; the bound is one in 10,000 objects."""
+    rng = np.random.default_rng(1)
+    for seed in range(150):
+        assert max(run([MASS] * 2 * SECOND, 1.5 * rng.normal(size=3), 0.5, seed)) < 0.99
