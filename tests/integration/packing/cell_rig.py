@@ -41,7 +41,7 @@ class Cell(Witness):
 
     def __init__(
         self, graph: Graph, factor: float, scene: Path = EASY, facts: str = "{}", unseen: str = "none",
-        preset: str = "", settings: Sequence[str] = (),
+        preset: str = "", settings: Sequence[str] = (), sim: type[PackingSimNode] = PackingSimNode,
     ) -> None:  # fmt: skip
         super().__init__(graph)
         # Facts lie over config/cells/packing.yaml for all nodes, preset and settings over their own files.
@@ -51,7 +51,7 @@ class Cell(Witness):
         }
         watched = ["sim", "perception", "planner"]
         self.sim = graph.start(
-            PackingSimNode,
+            sim,
             **parameters_of("sim", scene=str(scene), real_time_factor=factor, **changes["sim"]),
         )
         self.perception = graph.start(PerceptionNode, **parameters_of("perception", **changes["perception"]))

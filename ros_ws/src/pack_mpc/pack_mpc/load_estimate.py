@@ -33,7 +33,7 @@ NOTHING = 0
 """Row of the empty hand among them."""
 LEAST, MOST = 0.5, 1.45
 """Shares of the described mass from which on it is another one: descriptions are off by a quarter."""
-BIASES = np.array([0.1, 0.5, 1.5, 4.0])
+BIASES = np.array([0.1, 0.5, 1.5, 3.0])
 """Standard deviations that a sensor's bias may have [N]."""
 BIAS_TIME = 5.0
 """Time after which the bias is another one [s]."""
