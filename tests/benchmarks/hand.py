@@ -31,8 +31,8 @@ from pack_core.states import SceneState
 from pack_core.topics import steps_between
 from pack_lockstep.packing.lockstep import Lockstep, Step
 from pack_lockstep.packing.settings import BenchmarkSettings, PackingSetup, set_up
+from pack_mpc.held_watch import HeldWatch, arm_chain
 from pack_mpc.load_estimate import GRAVITY, LoadConfig
-from pack_mpc.load_watch import LoadWatch, arm_chain
 from pack_sim.packing.scene_generator import generate_scene
 from pack_sim.packing.simulator import Simulator
 
@@ -129,7 +129,7 @@ def follow(setup: PackingSetup, seed: int, what: str, config: LoadConfig) -> Wat
 
     lockstep = begin(setup, seed, on_sample)
     start = lockstep.simulator.time
-    watch = LoadWatch(arm_chain(setup.cell), lockstep.session.scene, config)
+    watch = HeldWatch(arm_chain(setup.cell), lockstep.session.scene, config)
 
     def look(step: Step) -> None:
         if is_over(step):
@@ -174,7 +174,7 @@ def record(setup: PackingSetup, seed: int) -> Motion:
 
 def drawn(motion: Motion, what: str, bias: float, config: LoadConfig, rng: np.random.Generator) -> Watched:
     """Watch a motion with the wrench of a drawn object and a drawn sensor."""
-    watch, item = LoadWatch(motion.arm, motion.scene, config), motion.scene.new_object
+    watch, item = HeldWatch(motion.arm, motion.scene, config), motion.scene.new_object
     period, found = 1.0 / WRENCH_RATE, Watched()
     late = rng.uniform(0.0, LATEST) if what == LOST else 0.0
     right = item.mass * rng.uniform(1.0 - SPREAD, 1.0 + SPREAD)

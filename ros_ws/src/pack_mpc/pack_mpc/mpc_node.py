@@ -21,8 +21,8 @@ from pack_core.ros.packing import read_packing_cell
 from pack_core.ros.run import run_node
 from pack_mpc.cost.weights import load_weights
 from pack_mpc.filling.fill_config import FillSessionConfig
+from pack_mpc.held_watch import HeldWatch, arm_chain
 from pack_mpc.load_estimate import LoadConfig
-from pack_mpc.load_watch import LoadWatch, arm_chain
 from pack_mpc.observation import PackingObservation
 from pack_mpc.optimizers import OPTIMIZERS
 from pack_mpc.ros.fill_goal import FillAction, FillGoal
@@ -55,7 +55,7 @@ class MpcNode(GoalNode):
         self._load = LoadShedding()
         self._pursued: PackGoal | FillGoal | None = None
         self._arm = arm_chain(self._cell)
-        self._watched: tuple[PackingSession, LoadWatch] | None = None
+        self._watched: tuple[PackingSession, HeldWatch] | None = None
         self._sending = threading.Lock()
         self._mailbox = Mailbox(self, self._cell.robot.arm.joints)
         self._placements = PlacementClient(self)
@@ -160,7 +160,7 @@ class MpcNode(GoalNode):
         A job goes on: what the pump holds is put aside.
         """
         if self._watched is None or self._watched[0] is not session:
-            self._watched = session, LoadWatch(self._arm, session.scene, self._config.load)
+            self._watched = session, HeldWatch(self._arm, session.scene, self._config.load)
         fault = self._watched[1].observe(seen.joints, self._mailbox.take_forces(), seen.scene)
         if fault is not None:
             session.task.finish(fault.reason, seen.joints.time, fault.message)

@@ -35,7 +35,7 @@ def arm_chain(cell: PackingCell) -> SerialChain:
     return chain_from_model(describe_robot(cell).model, cell.robot.arm.joints, "tool")
 
 
-class LoadWatch:
+class HeldWatch:
     """Follows one held object from the first sample on.
 
     Args:
