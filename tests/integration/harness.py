@@ -141,7 +141,7 @@ class Graph:
         deadline = time.monotonic() + timeout
         while not condition():
             assert time.monotonic() < deadline, f"waited {timeout} s in vain"
-            self.spin_once(0.01)
+            self.spin_once(0.02)
 
     def spin_once(self, timeout: float) -> None:
         """Call one callback, waiting up to `timeout` [s] for it, and put into the mailboxes what has come.
