@@ -16,6 +16,7 @@ from pack_core.packing.objects import Box, Capsule, Cylinder, ObjectModel
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
 from pack_perception.depth.height_map import Mask, halves, height_map, regions
 from pack_perception.depth.look import look_at, off_container
+from pack_perception.depth.seen_region import overlap
 from pack_perception.depth.shape_fit import FittedShape
 from pack_perception.depth.sight_lines import SightLines
 from pack_perception.perception_config import DepthLookConfig, HeightMapConfig
@@ -171,6 +172,23 @@ def test_objects_of_one_height_that_touch_are_two() -> None:
     assert isinstance(left.item, Cylinder)
     assert isinstance(right.item, Box)
     assert left.X_WO.p[:2] == pytest.approx([0.42, 0.0], abs=0.003)
+
+
+def test_a_box_around_a_can_has_corners_that_are_seen_through_beside_its_top() -> None:
+    sight = seen([CAN], [(0.5, 0.0, 0.0)])
+    # of what is around it on the base nothing is measured, so that half way up nobody knows
+    near = [
+        np.linalg.norm(points_of(c, i)[:, :2] - [0.5, 0.0], axis=1)
+        for c, i in zip(sight.cameras, sight.images, strict=True)
+    ]
+    for image, ways in zip(sight.images, near, strict=True):
+        image[image > 0.0] *= (ways > 0.075) | (ways < 0.036)
+    heights = height_map(points_in(sight), sight, CONTAINER, CONFIG.heights)
+    (mask,) = regions(heights, CONFIG.heights)
+    X_WO = Pose(np.array([0.5, 0.0, 0.055]))
+    box = Box(name="box", mass=0.3, shape="box", size=(0.068, 0.068, 0.11))
+    assert overlap([(CAN, X_WO)], mask, heights) > 0.98
+    assert overlap([(box, X_WO)], mask, heights) < 0.93
 
 
 def test_masses_follow_from_volumes() -> None:

@@ -35,6 +35,8 @@ from pack_perception.perception_config import Objects, PerceptionConfig
 
 BELOW_HELD = 0.01
 """What is nearer to the lower end of the held object, or higher, is no content of the container [m]."""
+COARSE = 8
+"""Every many pixels each way one tells whether a camera is covered."""
 BESIDE = 0.03
 """From the container's walls; a new object farther away hides nothing in it [m]."""
 
@@ -139,8 +141,7 @@ class DepthEstimator(HandOverEstimator):
         ceiling = self._ceiling(frame.time)
         if ceiling < self._scene.container.height:  # the new object is among the others
             return
-        points = scene_points([frame], self._cameras, ceiling)
-        if not len(points):  # the cameras are covered
+        if not len(scene_points([frame], self._cameras, ceiling, COARSE)):  # the cameras are covered
             return
         self._register(frame)
         if self.misplaced:

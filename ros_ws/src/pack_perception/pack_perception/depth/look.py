@@ -39,6 +39,10 @@ ON_WALL = 0.003
 """What is so near to the container's base or walls is a part of them [m]."""
 AXIS_SHARE = 0.7
 """Share of a capsule's radius beside its axis in which it is looked for behind a gap."""
+UNLIKELY_GAIN = 0.02
+"""By which two boxes, or a hull and another shape, must overlap better with a region than anything else."""
+ROUNDS = 2
+"""How often the cells of a region are shared out anew among two shapes."""
 FEW_CELLS = 3
 """Fewer cells than these say nothing."""
 
@@ -138,15 +142,18 @@ def _objects_of(mask: Mask, heights: HeightMap, config: DepthLookConfig) -> list
     if len(first) < 2:
         return [whole]
     # both parts have the cells of the cut; now each cell goes to the shape that it is nearer to
-    splits = [first, _parts(_nearer(mask, [fit for _, fit in first], heights), heights, config)]
-    scored = [(_worth_of([fit for _, fit in split], mask, heights), split) for split in splits]
-    score, split = max(scored, key=itemgetter(0))
-    # hulls fit whatever is left of a region, so that two of them say nothing; and any box can be cut into two
-    kinds = {fit.item.shape for _, fit in split}
-    is_likely = "mesh" not in kinds and kinds != {"box"}
-    # what is not likely must be better than the hull of the whole, too, which fills the notches between two
-    best = worth(whole) if is_likely else max(worth(whole), *(fit.score for fit in shapes))
-    if kinds == {"mesh"} or score <= best + config.gain:
+    splits = [first, _shared_out(mask, first, heights, config)]
+    if sum(fit.item.shape == "mesh" for _, fit in splits[-1]) == 1:
+        # a hull keeps what the cut left of the other part; a simple shape lets go of it
+        plain = _parts([part for part, _ in first], heights, config, simple=True)
+        for _ in range(ROUNDS):
+            plain = _shared_out(mask, plain, heights, config, simple=True) if len(plain) > 1 else plain
+        splits += [plain] if len(plain) > 1 else []
+    scored = [
+        (_advantage([fit for _, fit in split], shapes, mask, heights, config), split) for split in splits
+    ]
+    advantage, split = max(scored, key=itemgetter(0))
+    if advantage <= 0.0:
         return [whole]
     # a part that only a hull fits may be two objects again
     return [
@@ -185,10 +192,32 @@ def _continuation(fit: FittedShape, heights: HeightMap, close: float) -> Mask:
     return more.reshape(heights.tops.shape)
 
 
-def _worth_of(split: Sequence[FittedShape], mask: Mask, heights: HeightMap) -> float:
-    """By which parts are compared with a whole: their overlap, less the handicap of those that are hulls."""
+def _shared_out(
+    mask: Mask, split: Sequence[tuple[Mask, FittedShape]], heights: HeightMap, config: DepthLookConfig,
+    *, simple: bool = False,
+) -> list[tuple[Mask, FittedShape]]:  # fmt: skip
+    """The split in which each cell of a region goes to the shape of `split` that it is nearer to."""
+    return _parts(_nearer(mask, [fit for _, fit in split], heights), heights, config, simple=simple)
+
+
+def _advantage(
+    split: Sequence[FittedShape], wholes: Sequence[FittedShape], mask: Mask, heights: HeightMap,
+    config: DepthLookConfig,
+) -> float:  # fmt: skip
+    """By how much parts explain a region better than one of the shapes of the whole; 0 or less: not enough.
+
+    Shapes are compared by their overlap, less the handicap of those that are hulls.
+    """
+    kinds = {fit.item.shape for fit in split}
+    # hulls fit whatever is left of a region, so that two of them say nothing
+    if kinds == {"mesh"}:
+        return -np.inf
     handicap = np.mean([part.score - worth(part) for part in split])
-    return overlap([(part.item, part.X_WO) for part in split], mask, heights) - float(handicap)
+    score = overlap([(part.item, part.X_WO) for part in split], mask, heights) - float(handicap)
+    if "mesh" not in kinds and kinds != {"box"}:
+        return score - worth(wholes[0]) - config.gain
+    # any box can be cut into two; the hull of the whole, too, fills the notches between two
+    return score - max(worth(wholes[0]), *(fit.score for fit in wholes)) - UNLIKELY_GAIN
 
 
 def _nearer(mask: Mask, split: Sequence[FittedShape], heights: HeightMap) -> list[Mask]:
@@ -210,20 +239,23 @@ def _ways_out(fit: FittedShape, centres: Array) -> Array:
 
 
 def _parts(
-    masks: Sequence[Mask], heights: HeightMap, config: DepthLookConfig
+    masks: Sequence[Mask], heights: HeightMap, config: DepthLookConfig, *, simple: bool = False
 ) -> list[tuple[Mask, FittedShape]]:
     """The parts of a region and what fits each best, without those that are too small for an object."""
     large = [part for part in masks if part.sum() * heights.cell**2 >= config.heights.min_area]
-    return [(part, fit) for part in large if (fit := _best(part, heights, config)) is not None]
+    return [(part, fit) for part in large if (fit := _best(part, heights, config, simple=simple)) is not None]
 
 
-def _best(mask: Mask, heights: HeightMap, config: DepthLookConfig) -> FittedShape | None:
-    """The shape that fits a region best; None if too little of it was seen."""
-    return next(iter(_shapes_of(mask, heights, config)), None)
+def _best(
+    mask: Mask, heights: HeightMap, config: DepthLookConfig, *, simple: bool = False
+) -> FittedShape | None:
+    """The shape that fits a region best, or the best one that is no hull; None if there is none."""
+    shapes = _shapes_of(mask, heights, config)
+    return next((fit for fit in shapes if not simple or fit.item.shape != "mesh"), None)
 
 
 def _shapes_of(mask: Mask, heights: HeightMap, config: DepthLookConfig) -> list[FittedShape]:
     """The shapes that may have a region as their top, the best one first."""
     region = seen_region(heights, mask, config.shapes.side)
     flat = is_flat(heights, mask, config.heights)
-    return candidates(region, heights, "seen", config.shapes, flat=flat)
+    return candidates(region, heights, "seen", config.shapes, flat=flat, good=config.good)

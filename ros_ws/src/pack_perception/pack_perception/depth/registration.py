@@ -9,12 +9,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numba
 import numpy as np
+import numpy.typing as npt
 
 from pack_core.camera import PinholeCamera
 from pack_core.packing.scene import Container
 from pack_core.rotations import Array, Pose, exp, rotate
 from pack_perception.perception_config import RegistrationConfig
+
+Labels = npt.NDArray[np.int64]
+FaceTable = tuple[Labels, Array, Array, Array]
 
 
 @dataclass(frozen=True)
@@ -64,10 +69,10 @@ def register(
         None if too little of the container was seen.
     """
     middle = np.array([*container.centre, 0.5 * container.height])
-    faces = [face for face in faces_of(container) if face.is_seen_from(p_WC)]
+    faces = _as_table([face for face in faces_of(container) if face.is_seen_from(p_WC)])
     offsets = config.search * np.array([0.0, -1.0, 1.0])
     starts = [Registration(middle, np.array([x, y, 0.0]), np.zeros(3)) for x in offsets for y in offsets]
-    few, reaches = points[:: config.every], config.reaches
+    few, reaches = np.ascontiguousarray(points[:: config.every]), config.reaches
     coarse = [_fitted(few, start, faces, reaches[:3], config) for start in starts]
     best = max(coarse, key=lambda found: _on_walls(few, found, faces, config.scale))
     found = _fitted(points, best, faces, reaches[2:], config)
@@ -75,31 +80,24 @@ def register(
 
 
 def _fitted(
-    points: Array, start: Registration, faces: Sequence[Face], reaches: Sequence[float],
+    points: Array, start: Registration, faces: FaceTable, reaches: Sequence[float],
     config: RegistrationConfig,
 ) -> Registration:  # fmt: skip
     """The registration that is reached from `start`, a step of Gauss and Newton for each reach [m]."""
     middle, shift, turn = start.middle, start.shift, start.turn
-    r = points - middle
+    # a weak prior: what nothing was seen of stays where it is described
+    prior = np.diag([1.0, 1.0, 1.0, 0.01, 0.01, 0.01])
     for reach in reaches:
-        distances, normals = _nearest(points + shift + np.cross(turn, r), faces, reach)
-        near = np.isfinite(distances)
-        n, d = normals[near], distances[near]
-        # d distance = n . shift + (r x n) . turn, for small turns about the container's middle
-        J = np.concatenate([n, np.cross(r[near], n)], axis=1)
-        w = 1.0 / (1.0 + (d / config.scale) ** 2)
-        # a weak prior: what nothing was seen of stays where it is described
-        H = (J * w[:, None]).T @ J + np.diag([1.0, 1.0, 1.0, 0.01, 0.01, 0.01])
-        step = np.linalg.solve(H, -(J * w[:, None]).T @ d)
+        found = _normal_equations(points, middle, shift, turn, *faces, reach, config.scale)
+        step = np.linalg.solve(found[:, :6] + prior, found[:, 6])
         shift, turn = shift + step[:3], turn + step[3:]
     return Registration(middle, shift, turn)
 
 
-def _on_walls(points: Array, found: Registration, faces: Sequence[Face], scale: float) -> int:
+def _on_walls(points: Array, found: Registration, faces: FaceTable, scale: float) -> int:
     """Number of points that lie on the walls' sides, which tell apart what the base leaves open."""
     moved = points + found.shift + np.cross(found.turn, points - found.middle)
-    distances, normals = _nearest(moved, faces, scale)
-    return int(np.count_nonzero(np.isfinite(distances) & (normals[:, 2] == 0.0)))
+    return int(_beside(moved, *faces, scale))
 
 
 @dataclass(frozen=True)
@@ -122,13 +120,6 @@ class Face:
         """Whether its front is towards a camera."""
         return bool(self.sign * (p_WC[self.axis] - self.low[self.axis]) > 0.0)
 
-    def distances(self, points: Array, margin: float) -> Array:
-        """Distances `(n,)` [m] of points `(n, 3)` in front of it or behind; inf for what is beside it."""
-        across = self.sign * (points[:, self.axis] - self.low[self.axis])
-        others = [axis for axis in range(3) if axis != self.axis]
-        p, low, high = points[:, others], self.low[others] - margin, self.high[others] + margin
-        return np.where(np.all((p > low) & (p < high), axis=1), across, np.inf)
-
 
 def faces_of(container: Container) -> list[Face]:
     """The base, with the table around, and all faces of the walls that may be seen."""
@@ -148,12 +139,71 @@ def faces_of(container: Container) -> list[Face]:
     return faces
 
 
-def _nearest(points: Array, faces: Sequence[Face], reach: float) -> tuple[Array, Array]:
-    """Distances `(n,)` [m] from the nearest face, inf beyond `reach`, and its normals `(n, 3)`."""
-    distances, normals = np.full(len(points), np.inf), np.zeros_like(points)
-    for face in faces:
-        way = face.distances(points, 0.5 * reach)
-        closer = np.abs(way) < np.minimum(np.abs(distances), reach)
-        distances[closer] = way[closer]
-        normals[closer] = face.sign * np.eye(3)[face.axis]
-    return distances, normals
+def _as_table(faces: Sequence[Face]) -> FaceTable:
+    """Axes `(k,)`, signs `(k,)`, and lower and upper corners `(k, 3)` [m] of faces."""
+    return (
+        np.array([face.axis for face in faces]), np.array([face.sign for face in faces]),
+        np.array([face.low for face in faces]), np.array([face.high for face in faces]),
+    )  # fmt: skip
+
+
+@numba.njit(cache=True)
+def _nearest(
+    x: float, y: float, z: float, axes: Labels, signs: Array, lows: Array, highs: Array, reach: float
+) -> tuple[int, float]:
+    """Number of the face that a point is nearest to, and how far it is in front of it [m].
+
+    It is -1 where none is within `reach` [m]. Faces go on beyond their edges by half of that.
+    """
+    p, nearest, least = (x, y, z), -1, reach
+    for k in range(len(axes)):
+        way = signs[k] * (p[axes[k]] - lows[k, axes[k]])
+        is_over = abs(way) < abs(least)
+        for i in range(3):
+            if i != axes[k] and not lows[k, i] - 0.5 * reach < p[i] < highs[k, i] + 0.5 * reach:
+                is_over = False
+        if is_over:
+            nearest, least = k, way
+    return nearest, least
+
+
+@numba.njit(
+    "f8[:, ::1](f8[:, ::1], f8[::1], f8[::1], f8[::1], i8[::1], f8[::1], f8[:, ::1], f8[:, ::1], f8, f8)",
+    cache=True,
+)
+def _normal_equations(
+    points: Array, middle: Array, shift: Array, turn: Array, axes: Labels, signs: Array, lows: Array,
+    highs: Array, reach: float, scale: float,
+) -> Array:  # fmt: skip
+    """Matrix and right side of a step of Gauss and Newton, side by side `(6, 7)`, by Cauchy's weights."""
+    found, J = np.zeros((6, 7)), np.zeros(6)
+    for row in range(len(points)):
+        rx, ry, rz = points[row, 0] - middle[0], points[row, 1] - middle[1], points[row, 2] - middle[2]
+        x = points[row, 0] + shift[0] + turn[1] * rz - turn[2] * ry
+        y = points[row, 1] + shift[1] + turn[2] * rx - turn[0] * rz
+        z = points[row, 2] + shift[2] + turn[0] * ry - turn[1] * rx
+        k, d = _nearest(x, y, z, axes, signs, lows, highs, reach)
+        if k < 0:
+            continue
+        # d distance = n . shift + (r x n) . turn, for small turns about the container's middle
+        J[:] = 0.0
+        J[axes[k]] = signs[k]
+        J[3] = ry * J[2] - rz * J[1]
+        J[4] = rz * J[0] - rx * J[2]
+        J[5] = rx * J[1] - ry * J[0]
+        w = 1.0 / (1.0 + (d / scale) ** 2)
+        for i in range(6):
+            for j in range(6):
+                found[i, j] += w * J[i] * J[j]
+            found[i, 6] -= w * J[i] * d
+    return found
+
+
+@numba.njit("i8(f8[:, ::1], i8[::1], f8[::1], f8[:, ::1], f8[:, ::1], f8)", cache=True)
+def _beside(points: Array, axes: Labels, signs: Array, lows: Array, highs: Array, scale: float) -> int:
+    """Number of points within `scale` [m] of a face that stands upright, and of no nearer one."""
+    count = 0
+    for row in range(len(points)):
+        k, _ = _nearest(points[row, 0], points[row, 1], points[row, 2], axes, signs, lows, highs, scale)
+        count += k >= 0 and axes[k] != 2
+    return count

@@ -10,13 +10,15 @@ import numpy as np
 import shapely
 
 from pack_core.packing.free_space import footprint
-from pack_core.packing.objects import ObjectModel
+from pack_core.packing.objects import Box, Cylinder, ObjectModel
 from pack_core.rotations import Array, Pose
 from pack_perception.depth.height_map import HeightMap, Mask
 from pack_perception.depth.sight_lines import SightLines
 
 DIRECTIONS = np.stack([f(2.0 * np.pi * np.arange(36) / 36) for f in (np.cos, np.sin)], axis=1)
 """Directions in the plane in which a round outline is measured `(36, 2)`."""
+UPRIGHT_SHARES = (0.5, 0.75, 0.95)
+"""Heights at which a box or a cylinder is tried, in parts of its own; a round body only at the first."""
 
 
 @dataclass(frozen=True)
@@ -75,11 +77,20 @@ def overlap(placed: Sequence[tuple[ObjectModel, Pose]], mask: Mask, heights: Hei
         shapely.contains_xy(outline.buffer(share * heights.cell), centres).reshape(shape)
         for share in (-0.5, 1.0)
     )
-    # bodies are widest at half of their height, or as wide as there
-    level = max(X_WO.p[2] for _, X_WO in placed)
     empty, unseen = core & ~mask, np.isnan(heights.tops)
-    empty[empty & unseen] = heights.sight.is_free(
-        np.insert(heights.centres(empty & unseen), 2, level, axis=1)
-    )
+    empty[empty & unseen] = _is_seen_through(placed, heights.centres(empty & unseen), heights.sight)
     both, beyond = core & mask, mask & ~wide
     return float(both.sum() / max((both | empty | beyond).sum(), 1))
+
+
+def _is_seen_through(placed: Sequence[tuple[ObjectModel, Pose]], centres: Array, sight: SightLines) -> Mask:
+    """Over which of some places `(n, 2)` [m] a camera saw through what a body would have there."""
+    is_free = np.zeros(len(centres), dtype=bool)
+    for item, X_WO in placed:
+        # bodies are widest at half of their height, or as wide as there; straight ones are up to their tops
+        shares = UPRIGHT_SHARES if isinstance(item, Box | Cylinder) else UPRIGHT_SHARES[:1]
+        within = shapely.contains_xy(footprint(item, X_WO), centres)
+        for share in shares:
+            level = 2.0 * share * X_WO.p[2]
+            is_free[within] |= sight.is_free(np.insert(centres[within], 2, level, axis=1))
+    return is_free

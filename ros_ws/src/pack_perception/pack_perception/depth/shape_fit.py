@@ -8,7 +8,7 @@ it, a capsule lies on it, and a round body is below its middle as it is above it
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from operator import itemgetter
@@ -81,15 +81,29 @@ Fit = Callable[[SeenRegion, str, ShapeFitConfig], tuple[ObjectModel, Pose] | Non
 
 
 def candidates(
-    region: SeenRegion, heights: HeightMap, name: str, config: ShapeFitConfig, *, flat: bool
+    region: SeenRegion, heights: HeightMap, name: str, config: ShapeFitConfig, *, flat: bool, good: float
 ) -> list[FittedShape]:
-    """All shapes that may have the region as their top, the best one first; none if too little was seen."""
+    """All shapes that may have the region as their top, the best one first; none if too little was seen.
+
+    There is no hull among those of a flat top if a simple shape's overlap is `good`.
+    """
     if len(region.top) < config.few:
         return []
-    level = (_box, _cylinder, partial(_prism, heights=heights))
     if not flat and (explained := _explained(region, heights, name, config)) is not None:
         return [explained]
-    kinds: tuple[Fit, ...] = level if flat else (partial(_round_hull, heights=heights),)
+    if not flat:
+        return _fitted((partial(_round_hull, heights=heights),), region, heights, name, config)
+    shapes = _fitted((_box, _cylinder), region, heights, name, config)
+    # a hull would be worth less, and takes longer than both
+    if not shapes or shapes[0].score < max(good, 1.0 - HANDICAP):
+        shapes += _fitted((partial(_prism, heights=heights),), region, heights, name, config)
+    return sorted(shapes, key=worth, reverse=True)
+
+
+def _fitted(
+    kinds: Sequence[Fit], region: SeenRegion, heights: HeightMap, name: str, config: ShapeFitConfig
+) -> list[FittedShape]:
+    """The shapes of some kinds that a region may be, the best one first."""
     found = [fit for kind in kinds if (fit := _if_possible(kind, region, name, config)) is not None]
     shapes = [_judged(item, X_WO, region, heights) for item, X_WO in found]
     return sorted(shapes, key=worth, reverse=True)

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from pack_core.camera import PinholeCamera
 from pack_core.rotations import Array
 
-BEHIND = 0.01
+BEHIND = 0.005
 """What a pixel measured is so much farther away than a point that it saw through [m]."""
 FACING = 0.2
 """Least cosine between a side and the direction to a camera that sees it; behind others points fly."""
