@@ -24,12 +24,16 @@ from pack_core import stamps
 from pack_core.bag_topic import Topic
 from pack_core.packing import topics
 from pack_core.packing.cell import packing_cell
+from pack_core.packing.seen_deviations import SEEN
 from pack_core.robots.panda import PANDA
 from pack_core.topics import REAL_TIME_FACTOR
 
 TYPES = message_types()
 TOPICS = {
     topics.DESCRIPTION: "std_msgs/msg/String",
+    topics.SIM_DESCRIPTION: "std_msgs/msg/String",
+    topics.DEPTH_INFOS[0]: "sensor_msgs/msg/CameraInfo",
+    SEEN: "std_msgs/msg/String",
     topics.MPC_STATUS: "pack_interfaces/msg/MpcStatus",
     topics.RESULT: "std_msgs/msg/String",
     topics.TRUTH: "pack_interfaces/msg/SceneState",

@@ -1,8 +1,13 @@
 import re
+from pathlib import Path
 
+import numpy as np
 import pytest
 
-from pack_evaluation.packing.evaluator import EVALUATOR
+from pack_core.packing import topics
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.seen_deviations import SEEN, SeenDeviations, SeenObjects, in_words
+from pack_evaluation.packing.evaluator import EVALUATOR, ReportedRun, load_reported
 from unit.pack_evaluation.packing.messages import OUTCOME, GoalWriter
 
 
@@ -39,3 +44,21 @@ def test_a_report_says_how_the_run_was_made(text: str) -> None:
     assert "<td>seed</td><td>7</td>" in text
     assert "rate: 42" in text
     assert "passata" in text
+
+
+def test_a_report_says_how_sure_the_look_was_of_each_object(tmp_path: Path) -> None:
+    scene = packing_cell().scene
+    box = scene.model_of("tea_box")
+    known = SeenDeviations(position=(0.001, 0.001, 0.001), size=(0.002, 0.004, 0.001), yaw=0.01)
+    writer = GoalWriter(tmp_path)
+    writer.write(0.0, topics.SIM_DESCRIPTION, data=scene.description().to_yaml())
+    intrinsics = {"k": np.zeros(9), "r": np.zeros(9), "p": np.zeros(12)}
+    writer.write(0.0, topics.DEPTH_INFOS[0], **intrinsics)
+    writer.write(0.0, SEEN, data=SeenObjects(objects={box.name: known}).to_yaml())
+    writer.write_goal(1.0, OUTCOME)
+    writer.close()
+    run = load_reported(tmp_path)
+    assert isinstance(run, ReportedRun)
+    assert run.deviations == {box.name: known}
+    report = EVALUATOR.evaluate(tmp_path, tmp_path / "out", with_video=False).report.read_text()
+    assert f"<td>{in_words(box, known)}</td>" in report

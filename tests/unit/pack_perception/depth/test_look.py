@@ -14,10 +14,10 @@ from pack_core.packing.model import ArmRole, HeldRole, build_model
 from pack_core.packing.object_set import load_set
 from pack_core.packing.objects import Box, Capsule, Cylinder, ObjectModel
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
+from pack_perception.depth.deviations import OPEN, SPREADS
 from pack_perception.depth.height_map import Mask, halves, height_map, regions
-from pack_perception.depth.look import look_at, off_container
+from pack_perception.depth.look import SeenShape, look_at, off_container
 from pack_perception.depth.seen_region import overlap
-from pack_perception.depth.shape_fit import FittedShape
 from pack_perception.depth.sight_lines import SightLines
 from pack_perception.perception_config import DepthLookConfig, HeightMapConfig
 from pack_sim.packing.depth_cameras import CameraRays
@@ -51,7 +51,7 @@ def points_in(sight: SightLines) -> Array:
     return np.concatenate([points_of(c, i) for c, i in zip(sight.cameras, sight.images, strict=True)])
 
 
-def look_without(hidden: Callable[[Array], Mask], sight: SightLines) -> list[FittedShape]:
+def look_without(hidden: Callable[[Array], Mask], sight: SightLines) -> list[SeenShape]:
     """What a look finds where the pixels of some points are lost, from left to right."""
     images = sight.images.copy()
     for camera, image in zip(sight.cameras, images, strict=True):
@@ -60,7 +60,7 @@ def look_without(hidden: Callable[[Array], Mask], sight: SightLines) -> list[Fit
     return sorted(look_at(points_in(rest), rest, CONTAINER, CONFIG), key=lambda fit: fit.X_WO.p[0])
 
 
-def look(items: Sequence[ObjectModel], places: Sequence[tuple[float, float, float]]) -> list[FittedShape]:
+def look(items: Sequence[ObjectModel], places: Sequence[tuple[float, float, float]]) -> list[SeenShape]:
     return look_without(lambda points: np.zeros(len(points), dtype=bool), seen(items, places))
 
 
@@ -271,3 +271,16 @@ def test_of_a_few_points_nothing_is_made() -> None:
     rng = np.random.default_rng(0)
     line = np.column_stack([rng.uniform(0.45, 0.55, 20), np.zeros(20), np.full(20, 0.05)])
     assert look_at(line, BLIND, CONTAINER, CONFIG) == []
+
+
+def test_an_end_that_nobody_saw_is_told_to_be_less_sure() -> None:
+    sight = seen([BOX], [(0.5, 0.0, 0.0)])
+    (whole,) = look_without(lambda points: np.zeros(len(points), dtype=bool), sight)
+    (cut,) = look_without(lambda points: points[:, 0] > 0.53, sight)
+    length, width, height = whole.deviations.size
+    assert (length, width) == pytest.approx((np.sqrt(2.0) * SPREADS["box"].end,) * 2, abs=0.0005)
+    assert height == SPREADS["box"].height
+    # it ends at the wall at the latest, 0.105 m behind where it was seen to; sight lines end it before
+    assert 4.0 * length < cut.deviations.size[0] < OPEN * 0.105
+    assert cut.deviations.position[0] == pytest.approx(0.5 * cut.deviations.size[0])
+    assert cut.deviations.size[1] == pytest.approx(width, abs=0.0005)

@@ -10,6 +10,7 @@ from viser import ViserServer
 from pack_core.joints import JointSample
 from pack_core.packing import topics
 from pack_core.packing.cell import packing_cell
+from pack_core.packing.seen_deviations import SeenDeviations
 from pack_core.robots.panda import PANDA
 from pack_core.ros.messages.camera import to_depth_image
 from pack_core.ros.messages.joints import to_joint_state
@@ -17,7 +18,7 @@ from pack_core.ros.messages.scene import to_scene
 from pack_core.rotations import Pose
 from pack_core.states import ObjectState, SceneState
 from pack_viewer.news import News
-from pack_viewer.packing.depth_panel import DARKEST, depths_of, picture_of
+from pack_viewer.packing.depth_panel import DARKEST, depths_of, picture_of, sizes_of
 from pack_viewer.packing.packing_scene import BOTH, TRUTH, PackingScene
 from pack_viewer.web_server import open_server
 
@@ -45,6 +46,13 @@ def test_depths_are_read_from_whole_images_alone() -> None:
     assert depths_of(message) == pytest.approx(np.full((4, 6), 0.25))
     message.height = 5
     assert depths_of(message) is None
+
+
+def test_sizes_stand_with_their_deviations_once_a_look_has_told_them() -> None:
+    known = SeenDeviations(position=(0.001, 0.002, 0.0005), size=(0.002, 0.004, 0.001), yaw=0.01)
+    sizes = sizes_of(SEEN, {"seen_1": known})
+    assert "90 ± 2.0 x 60 ± 4.0 x 130 ± 1.0 mm, place ± 2.0 mm, ± 0.6°" in sizes
+    assert sizes_of(SEEN, {}) == ""
 
 
 @pytest.fixture

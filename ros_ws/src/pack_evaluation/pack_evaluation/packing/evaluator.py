@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
 from pack_core.errors import PackError
+from pack_core.packing.seen_deviations import SEEN, SeenDeviations, SeenObjects, in_words
+from pack_evaluation.bag import read_bag
 from pack_evaluation.evaluator import Evaluation, Evaluator
 from pack_evaluation.packing.fill.evaluator import FILL_EVALUATOR
 from pack_evaluation.packing.fill.recording import has_fill_job
@@ -15,6 +18,7 @@ from pack_evaluation.packing.from_bag import load_run
 from pack_evaluation.packing.measures import PackingMeasures, measure, object_displacements
 from pack_evaluation.packing.plots import write_plots
 from pack_evaluation.packing.run import Run
+from pack_evaluation.packing.run_file import SUFFIX
 from pack_evaluation.packing.settled_samples import write_settled_samples
 from pack_evaluation.packing.video import write_still, write_video
 
@@ -31,6 +35,28 @@ class ObjectRow:
     size: str
     mass: float
     moved: str
+    seen: str = ""
+
+
+@dataclass(frozen=True)
+class ReportedRun(Run):
+    """A run, and how sure the look before it was.
+
+    Attributes:
+        deviations: of what depth cameras saw, by the names that perception gave; none with markers.
+    """
+
+    deviations: Mapping[str, SeenDeviations] = field(default_factory=dict)
+
+
+def load_reported(path: Path, goal: int | None = None) -> Run:
+    """A goal of a run as `load_run` reads it, with what a recording has of how sure the look was."""
+    run = load_run(path, goal)
+    if run.seen is None or path.suffix == SUFFIX:
+        return run
+    told = read_bag(path, (SEEN,)).of(SEEN)
+    deviations = SeenObjects.from_yaml(told[-1].data).objects if told else {}
+    return ReportedRun(**{part.name: getattr(run, part.name) for part in fields(run)}, deviations=deviations)
 
 
 def draw(run: Run, folder: Path) -> list[Path]:
@@ -51,7 +77,7 @@ def report(found: Evaluation[Run, PackingMeasures]) -> dict[str, Any]:
         "title": f"Packing run {found.report.parent.name}", "success": measures.success,
         "verdict": "packed" if measures.success else "not packed",
         "message": f"{measures.exit_reason.value}: {message}" if message else measures.exit_reason.value,
-        "objects": _object_rows(found.run),
+        "objects": _object_rows(found.run), "has_look": found.run.seen is not None,
         "plots": [plot for plot in found.plots if plot.name != SETTLED_SAMPLES],
         "samples": next((plot for plot in found.plots if plot.name == SETTLED_SAMPLES), None),
     }  # fmt: skip
@@ -62,14 +88,24 @@ def _object_rows(run: Run) -> list[ObjectRow]:
     return [
         ObjectRow(
             item.name, item.shape, " x ".join(f"{200 * half:.1f}" for half in item.half_extents), item.mass,
-            f"{100 * moved[item.name]:.1f}" if item.name in moved else "packed",
+            f"{100 * moved[item.name]:.1f}" if item.name in moved else "packed", _as_seen(run, item.name),
         )
         for item in (*run.scene.objects, run.scene.new_object)
     ]  # fmt: skip
 
 
+def _as_seen(run: Run, name: str) -> str:
+    """What the look before the goal made of an object, in words; empty where it did not see it."""
+    if run.seen is None or name not in run.seen.objects:
+        return ""
+    item = run.seen.scene.model_of(run.seen.objects[name].name)
+    known = run.deviations.get(item.name) if isinstance(run, ReportedRun) else None
+    sizes = " x ".join(f"{2000 * half:.0f}" for half in item.half_extents)
+    return in_words(item, known) if known is not None else f"{sizes} mm"
+
+
 EVALUATOR = Evaluator(
-    load_run, measure, draw, write_video, "packing/report.html.j2", report, still=write_still,
+    load_reported, measure, draw, write_video, "packing/report.html.j2", report, still=write_still,
     instead=lambda path: FILL_EVALUATOR if has_fill_job(path) else None,
 )  # fmt: skip
 """Evaluates a packing goal; a recording that holds a fill job is evaluated as one, without a replay."""

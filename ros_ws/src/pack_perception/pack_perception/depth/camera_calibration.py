@@ -232,10 +232,15 @@ def _place(m: _Matches) -> Array:
 def _covariance(matches: Sequence[_Matches]) -> Array:
     """Covariance of shift and turn `(6, 6)`.
 
-    Errors of one posture are alike, those of two are not: the sandwich estimate with a cluster for each
-    posture (Liang and Zeger 1986, "Longitudinal data analysis using generalized linear models").
+    Errors of one posture are alike, those of two are not: the jackknife that leaves out one posture at a time
+    (Bell and McCaffrey 2002, "Bias reduction in standard errors for linear regression with multi-stage
+    samples"). Of few postures each pulls the result towards itself, which the plain sandwich estimate of
+    Liang and Zeger (1986) overlooks.
     """
-    bread = np.linalg.pinv(_information(matches), hermitian=True)
-    scores = np.array([m.J.T @ (m.w * m.d) for m in matches])
-    k, p = scores.shape
-    return np.asarray(bread @ (scores.T @ scores) @ bread * k / max(k - p, 1))
+    total, k = _information(matches), len(matches)
+    pulls = []
+    for one in matches:
+        H = (one.J * one.w[:, None]).T @ one.J
+        # without a posture the result is a step of Gauss and Newton of the others away
+        pulls.append(np.linalg.pinv(total - H, hermitian=True) @ (one.J.T @ (one.w * one.d)))
+    return np.asarray((k - 1) / k * (np.array(pulls).T @ np.array(pulls)))

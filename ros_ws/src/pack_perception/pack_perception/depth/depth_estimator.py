@@ -17,6 +17,7 @@ from pack_core.packing.depth import DepthFrame, points_of
 from pack_core.packing.free_space import is_packed
 from pack_core.packing.objects import ObjectModel
 from pack_core.packing.scene import Scene
+from pack_core.packing.seen_deviations import SeenDeviations
 from pack_core.rotations import Array, Pose
 from pack_perception.depth.look import look_at, off_container, scene_points
 from pack_perception.depth.registration import register
@@ -53,6 +54,7 @@ class DepthEstimator(HandOverEstimator):
     Attributes:
         misplaced: how far off each camera is that hangs elsewhere than was told, in words, by its place in
             the list. Nothing is looked for while there are any.
+        deviations: how sure looks were of the objects that they saw, by name.
     """
 
     def __init__(
@@ -63,6 +65,7 @@ class DepthEstimator(HandOverEstimator):
         self._cameras, self._is_calibrated = [*self._described], cameras is not None
         self._told = self._placed = scene.container
         self.misplaced: dict[int, str] = {}
+        self.deviations: dict[str, SeenDeviations] = {}
         self._needs_look, self._numbered = True, 0
         is_known = self._depth.objects is Objects.DESCRIBED
         super().__init__(scene if is_known else scene.model_copy(update={"objects": []}), cell, config)
@@ -157,6 +160,12 @@ class DepthEstimator(HandOverEstimator):
         if is_unknown:
             objects = [*there, *(fit.item for fit in found)]
             self.change_scene(self._scene.model_copy(update={"objects": objects}))
+            seen_now = {fit.item.name: fit.deviations for fit in found}
+            self.deviations = {
+                item.name: known
+                for item in objects
+                if (known := {**self.deviations, **seen_now}.get(item.name)) is not None
+            }
             where = {fit.item.name: fit.X_WO for fit in found}
         else:
             if self._placed != self._scene.container:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 from itertools import combinations
 from operator import itemgetter
 
@@ -17,7 +17,9 @@ from pack_core.packing.free_space import footprint
 from pack_core.packing.objects import Capsule
 from pack_core.packing.scene import Container
 from pack_core.packing.scene_item import colour_of
+from pack_core.packing.seen_deviations import SeenDeviations
 from pack_core.rotations import Array, yaw_of
+from pack_perception.depth.deviations import deviations_of
 from pack_perception.depth.height_map import (
     HeightMap,
     Mask,
@@ -47,6 +49,13 @@ FEW_CELLS = 3
 """Fewer cells than these say nothing."""
 
 
+@dataclass(frozen=True)
+class SeenShape(FittedShape):
+    """A shape that stands for an object, and how sure that is."""
+
+    deviations: SeenDeviations
+
+
 def scene_points(
     frames: Sequence[DepthFrame], cameras: Sequence[PinholeCamera], ceiling: float, every: int = 1
 ) -> Array:
@@ -73,7 +82,7 @@ def off_container(points: Array, container: Container) -> Array:
 
 def look_at(
     points: Array, sight: SightLines, container: Container, config: DepthLookConfig, before: int = 0
-) -> list[FittedShape]:
+) -> list[SeenShape]:
     """The objects in a container.
 
     Args:
@@ -100,11 +109,12 @@ def look_at(
                 outline = footprint(longer.item, longer.X_WO).buffer(heights.cell)
                 taken |= shapely.contains_xy(outline, heights.centres()).reshape(taken.shape)
             found.append(longer)
-    return [_named(f, f"seen_{i}") for i, f in enumerate(found, before + 1)]
+    return [_named(f, f"seen_{i}", heights) for i, f in enumerate(found, before + 1)]
 
 
-def _named(fit: FittedShape, name: str) -> FittedShape:
-    return replace(fit, item=fit.item.model_copy(update={"name": name, "colour": colour_of(name)}))
+def _named(fit: FittedShape, name: str, heights: HeightMap) -> SeenShape:
+    item = fit.item.model_copy(update={"name": name, "colour": colour_of(name)})
+    return SeenShape(item, fit.X_WO, fit.score, fit.points, deviations_of(fit, heights))
 
 
 def _joined(masks: list[Mask], heights: HeightMap, config: DepthLookConfig) -> list[Mask]:

@@ -16,6 +16,7 @@ from pack_core.packing.depth import DepthFrame, FramePairing
 from pack_core.packing.depth_calibration import load_depth_calibration
 from pack_core.packing.model import DEPTH_CAMERAS
 from pack_core.packing.scene import Scene
+from pack_core.packing.seen_deviations import SeenObjects
 from pack_core.ros.clock import StampCheck
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.messages.camera import from_camera_info, from_depth_image
@@ -63,7 +64,10 @@ class DepthSource:
         self._taken: list[tuple[float, int, Array]] = []
         self._pairing = FramePairing(len(self._cameras))
         self._described: Scene | None = None
-        self._description = node.advertise(contracts.DESCRIPTION)
+        self._description, self._seen = (
+            node.advertise(contracts.DESCRIPTION),
+            node.advertise(contracts.SEEN_OBJECTS),
+        )
         for i, contract in enumerate(INFOS):
             node.listen(contract, partial(self._on_info, i))
 
@@ -117,6 +121,7 @@ class DepthSource:
         if estimator.knows_objects and estimator.scene is not self._described:
             self._described = estimator.scene
             self._description.publish(String(data=estimator.scene.to_yaml()))
+            self._seen.publish(String(data=SeenObjects(objects=estimator.deviations).to_yaml()))
 
     def _on_info(self, camera: int, message: CameraInfo) -> None:
         described = self._cameras[camera]

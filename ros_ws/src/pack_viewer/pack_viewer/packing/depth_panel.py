@@ -1,4 +1,4 @@
-"""The depth cameras' images on the page, with the outlines of what is perceived."""
+"""The depth cameras' images on the page, with the outlines of what is perceived, and how sure that is."""
 
 from __future__ import annotations
 
@@ -7,14 +7,16 @@ from typing import Any
 
 import cv2
 import numpy as np
-from viser import GuiApi, GuiImageHandle
+from viser import GuiApi, GuiHtmlHandle, GuiImageHandle
 
 from pack_core.camera import Picture, PinholeCamera
 from pack_core.packing import topics
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.model import DEPTH_CAMERAS
 from pack_core.packing.scene import Scene
+from pack_core.packing.seen_deviations import SEEN, SeenDeviations, SeenObjects, in_words
 from pack_core.rotations import Array, Pose
+from pack_viewer.fragments import facts, put
 from pack_viewer.news import News
 
 NEAR, FAR = 0.4, 0.9
@@ -53,15 +55,23 @@ def picture_of(depth: Array, camera: PinholeCamera, scene: Scene, poses: Mapping
     return picture
 
 
+def sizes_of(scene: Scene, deviations: Mapping[str, SeenDeviations]) -> str:
+    """A row for each object that a look saw: its size, and how sure that and its place are."""
+    seen = [(item, deviations[item.name]) for item in scene.objects if item.name in deviations]
+    return facts([(item.name, in_words(item, known)) for item, known in seen]) if seen else ""
+
+
 class DepthPanel:
-    """Both images, as soon as they come; on cells with motion capture a note."""
+    """Both images, as soon as they come, and what a look saw; on cells with motion capture a note."""
 
     def __init__(self) -> None:
         self._cameras = packing_cell().depth.cameras()
         self._newest: dict[int, Array] = {}
         self._scene: Scene | None = None
         self._poses: Mapping[str, Pose] = {}
+        self._deviations: Mapping[str, SeenDeviations] = {}
         self._handles: list[GuiImageHandle] = []
+        self._sizes: GuiHtmlHandle | None = None
 
     def add(self, gui: GuiApi) -> None:
         """Add the widgets."""
@@ -70,11 +80,14 @@ class DepthPanel:
             gui.add_image(NOTHING, label=f"{name}, and what is perceived", format="jpeg", visible=False)
             for name in DEPTH_CAMERAS
         ]
+        self._sizes = gui.add_html("")
 
     def update(self, news: News, perceived: Mapping[str, Pose]) -> None:
         """Take the newest images, and X_WO of what is perceived."""
         if text := news.newest(topics.DESCRIPTION):
             self._scene = Scene.from_yaml(text.data)
+        if text := news.newest(SEEN):
+            self._deviations = SeenObjects.from_yaml(text.data).objects
         self._poses = perceived
         for camera, topic in enumerate(topics.DEPTH_IMAGES):
             if (message := news.newest(topic)) and (depth := depths_of(message)) is not None:
@@ -88,9 +101,11 @@ class DepthPanel:
                 handle.image = picture_of(depth, self._cameras[i], self._scene, self._poses)
                 handle.visible, self._note.visible = True, False
         self._newest = {}
+        if self._scene is not None and self._sizes is not None:
+            put(self._sizes, sizes_of(self._scene, self._deviations))
 
     def forget(self) -> None:
         """There are no images any more."""
-        self._newest, self._poses = {}, {}
+        self._newest, self._poses, self._deviations = {}, {}, {}
         for handle in self._handles:
             handle.visible, self._note.visible = False, True

@@ -11,6 +11,7 @@ from viser import ViserServer
 
 from pack_core.packing import topics
 from pack_core.packing.load_shedding import GivenUp, LoadShedding
+from pack_core.packing.seen_deviations import SEEN
 from pack_core.text.json_text import parse_json
 from pack_viewer.cell_page import IDLE, CellPage, Headline, preset_from_angles
 from pack_viewer.event_log import EventLog
@@ -32,7 +33,7 @@ class PackingPage(CellPage):
     topics = Topics(
         states=(
             *PackingScene.topics.all, topics.GRIPPER_STATE, topics.WRENCH, topics.SETTLED_SAMPLES,
-            *topics.DEPTH_IMAGES,
+            *topics.DEPTH_IMAGES, SEEN,
         ),
         events=(topics.MPC_STATUS, topics.RESULT, topics.FILL_PROGRESS, topics.FILL_RESULT),
         followed=(topics.WRENCH, topics.SETTLED_SAMPLES),

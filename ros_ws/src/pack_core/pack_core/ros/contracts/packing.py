@@ -12,6 +12,7 @@ from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
 from pack_core.packing import topics
+from pack_core.packing.seen_deviations import SEEN
 from pack_core.ros.contracts.contract import LATCHED, LATEST, STREAM, Contract, Kind, contracts_in, hz
 from pack_core.ros.contracts.shared import SHARED
 
@@ -57,6 +58,10 @@ DEPTH_POINTS_1, DEPTH_POINTS_2 = (
         "where nothing was measured",
         qos=LATEST, rate=f"{hz(topics.DEPTH_RATE)}, while somebody listens")
     for name in topics.DEPTH_POINTS)
+SEEN_OBJECTS = Contract(
+    SEEN, String, ("perception",), ("recorder", "user"),
+    "standard deviations of what a look with depth cameras saw, as YAML", qos=LATCHED, rate="each look",
+    recorded=True)
 SCENE = Contract(
     topics.SCENE, SceneState, ("perception",), ("mpc", "recorder", "user"),
     "estimated pose and twist of every object, with source and age", qos=STREAM,
