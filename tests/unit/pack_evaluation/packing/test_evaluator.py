@@ -54,7 +54,7 @@ def test_a_report_says_how_sure_the_look_was_of_each_object(tmp_path: Path) -> N
     writer.write(0.0, topics.SIM_DESCRIPTION, data=scene.description().to_yaml())
     intrinsics = {"k": np.zeros(9), "r": np.zeros(9), "p": np.zeros(12)}
     writer.write(0.0, topics.DEPTH_INFOS[0], **intrinsics)
-    writer.write(0.0, SEEN, data=SeenObjects(objects={box.name: known}).to_yaml())
+    writer.write(0.0, SEEN, data=SeenObjects(time=0.0, objects={box.name: known}).to_yaml())
     writer.write_goal(1.0, OUTCOME)
     writer.close()
     run = load_reported(tmp_path)

@@ -27,9 +27,12 @@ class SeenDeviations(Config):
 
 
 class SeenObjects(Config):
-    """Those of all objects that were seen, by name."""
+    """What a look tells besides the scene."""
 
+    time: float
+    """Of exposure of the images that were looked at [s]."""
     objects: dict[str, SeenDeviations]
+    """Standard deviations of all objects that were seen, by name."""
 
     def to_yaml(self) -> str:
         """The text that `from_yaml` reads."""

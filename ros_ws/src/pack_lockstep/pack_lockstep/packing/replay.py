@@ -19,6 +19,7 @@ from pack_core.packing.depth_calibration import load_depth_calibration
 from pack_core.packing.goals import PackingMethod
 from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.scene import Scene
+from pack_core.packing.seen_deviations import SEEN, SeenObjects
 from pack_core.packing.topics import (
     DEPTH_IMAGES,
     DESCRIPTION,
@@ -120,7 +121,7 @@ def replay_perception(bag: Bag, preset: PackingPreset | None = None, calibration
     run = to_run(bag)
     job = _job_window(bag)
     start, end = job or (run.start, run.end)
-    bag = bag if job else without_earlier_gaps(bag, start, latched=(DESCRIPTION, SIM_DESCRIPTION))
+    bag = bag if job else without_earlier_gaps(bag, start, latched=(DESCRIPTION, SIM_DESCRIPTION, SEEN))
     if preset.packing_cell().perception is Perception.DEPTH:
         counts = {topic: _count_images(bag, topic) for topic in DEPTH_IMAGES}
         depth = preset.packing_cell().depth
@@ -190,7 +191,8 @@ def estimate_by_depth(
 ) -> dict[str, Track]:
     """Estimated tracks by object, with a pose after every joint state that is used, and after every frame.
 
-    The cameras hang where a calibration has found them, or by default where they are described. Where the
+    The cameras hang where a calibration has found them, or by default where they are described. It looks at
+    the images that were looked at: of others, sizes and the order of the names would differ. Where the
     recording has no frame from before the look, what was seen then counts as described.
     """
     config, cell = preset.parameters("perception", PerceptionConfig), preset.packing_cell()
@@ -199,6 +201,7 @@ def estimate_by_depth(
     waiting: deque[DepthFrame] = deque()
     states: list[SceneState] = []
     has_looked = is_handed_over = False
+    looks = [SeenObjects.from_yaml(message.data).time for message in bag.of(SEEN)]
     for item in bag.messages:
         if item.topic == SIM_DESCRIPTION:
             scene = Scene.from_yaml(item.message.data, SIM_DESCRIPTION)
@@ -219,11 +222,34 @@ def estimate_by_depth(
                 states.append(estimator.state(estimator.time))
         elif item.topic in DEPTH_IMAGES:
             waiting.extend(_frames(pairing, cell, item.topic, item.message))
-        while estimator is not None and waiting and not estimator.is_ahead(waiting[0]):
-            estimator.see(waiting.popleft())
+        if estimator is not None and (used := _use_frames(estimator, waiting, looks)):
             has_looked = True
-            states.append(estimator.state(estimator.time))
+            states += used
     return to_tracks(states)
+
+
+def _use_frames(
+    estimator: DepthEstimator, waiting: deque[DepthFrame], looks: Sequence[float]
+) -> list[SceneState]:
+    """Correct an estimate by the frames for which joint states have come.
+
+    Args:
+        estimator: the estimate.
+        waiting: the frames, oldest first; what was used is taken out.
+        looks: when the images were exposed that were looked at [s].
+
+    Returns:
+        The state after each of them.
+    """
+    states = []
+    while waiting and not estimator.is_ahead(waiting[0]):
+        frame = waiting.popleft()
+        next_look = min((look for look in looks if look > frame.time - SAME), default=frame.time)
+        if estimator.needs_look and frame.time < next_look - SAME:
+            continue  # the node began later, or was busy
+        estimator.see(frame)
+        states.append(estimator.state(estimator.time))
+    return states
 
 
 def _frames(pairing: FramePairing, cell: PackingCell, topic: str, message: Any) -> list[DepthFrame]:

@@ -55,6 +55,7 @@ class DepthEstimator(HandOverEstimator):
         misplaced: how far off each camera is that hangs elsewhere than was told, in words, by its place in
             the list. Nothing is looked for while there are any.
         deviations: how sure looks were of the objects that they saw, by name.
+        looked: when the images were exposed that the last look was made at [s]; nan before the first.
     """
 
     def __init__(
@@ -66,6 +67,7 @@ class DepthEstimator(HandOverEstimator):
         self._told = self._placed = scene.container
         self.misplaced: dict[int, str] = {}
         self.deviations: dict[str, SeenDeviations] = {}
+        self.looked = float("nan")
         self._needs_look, self._numbered = True, 0
         is_known = self._depth.objects is Objects.DESCRIBED
         super().__init__(scene if is_known else scene.model_copy(update={"objects": []}), cell, config)
@@ -74,6 +76,11 @@ class DepthEstimator(HandOverEstimator):
     def knows_objects(self) -> bool:
         """Whether it is known which objects there are: from a description, or after a look."""
         return self._depth.objects is Objects.DESCRIBED or not self._needs_look
+
+    @property
+    def needs_look(self) -> bool:
+        """Whether the next images are looked at, as objects have no pose yet."""
+        return self._needs_look
 
     def see(self, frame: DepthFrame) -> Correction:
         """Correct the estimate by images; before all objects are known, look for them.
@@ -155,6 +162,7 @@ class DepthEstimator(HandOverEstimator):
         there: list[ObjectModel] = []
         if is_unknown:
             there, points = self._remembered(points, frame.time)
+        self.looked = frame.time
         found = look_at(points, sight, self._placed, self._depth.look, self._numbered)
         self._numbered += len(found)
         if is_unknown:

@@ -55,6 +55,8 @@ THINNEST = 0.006
 """No object is thinner or lower [m]."""
 SCALE = 0.001
 """Deviation from which a point counts less in a fit [m]."""
+CONVERGED = 1e-4
+"""Relative change of a fit's cost at which it ends: far less than errors of points change it."""
 SHORTNESS = 0.3
 """Weight of a capsule's length in a fit, a third of a point's: it decides where points say nothing."""
 
@@ -104,7 +106,8 @@ def _fitted(
     kinds: Sequence[Fit], region: SeenRegion, heights: HeightMap, name: str, config: ShapeFitConfig
 ) -> list[FittedShape]:
     """The shapes of some kinds that a region may be, the best one first."""
-    found = [fit for kind in kinds if (fit := _if_possible(kind, region, name, config)) is not None]
+    made = [_if_possible(partial(kind, region, name, config)) for kind in kinds]
+    found = [fit for fit in made if fit is not None]
     shapes = [_judged(item, X_WO, region, heights) for item, X_WO in found]
     return sorted(shapes, key=worth, reverse=True)
 
@@ -119,17 +122,19 @@ def _explained(
 ) -> FittedShape | None:
     """The round shape whose surface what was seen lies on: it says how that goes on where nothing was."""
     fits = [fit for kind in (_lying_capsule, _revolved) if (fit := kind(region, name, config)) is not None]
-    judged = [(misfit, _judged(item, X_WO, region, heights)) for misfit, item, X_WO in fits]
-    close = [(misfit, shape) for misfit, shape in judged if misfit < config.close and shape.score > COVERS]
-    return min(close, key=itemgetter(0))[1] if close else None
+    # a hull takes longer than its fit: it is made if no closer shape explains the region
+    for misfit, make in sorted(fits, key=itemgetter(0)):
+        if misfit < config.close and (made := _if_possible(make)) is not None:
+            shape = _judged(*made, region, heights)
+            if shape.score > COVERS:
+                return shape
+    return None
 
 
-def _if_possible(
-    kind: Fit, region: SeenRegion, name: str, config: ShapeFitConfig
-) -> tuple[ObjectModel, Pose] | None:
-    """The shape of a kind; None where what was seen is too thin or too small for it."""
+def _if_possible(make: Callable[[], tuple[ObjectModel, Pose] | None]) -> tuple[ObjectModel, Pose] | None:
+    """What is made; None where what was seen is too thin or too small for it."""
     try:
-        return kind(region, name, config)
+        return make()
     except ValueError:
         return None
 
@@ -172,7 +177,7 @@ def _box(region: SeenRegion, name: str, config: ShapeFitConfig) -> tuple[ObjectM
         known = np.concatenate([ends - h - lower, ends + h - upper]) / config.top_deviation
         return np.concatenate([*parts, known, [(x[2] - yaw) / np.deg2rad(1.0)]])
 
-    fit = least_squares(residuals, [*middle, yaw, *half], loss="soft_l1")
+    fit = least_squares(residuals, [*middle, yaw, *half], loss="soft_l1", ftol=CONVERGED)
     x, y, yaw = fit.x[:3]
     size = (*(2.0 * fit.x[3:]), height)
     if min(size) < THINNEST:
@@ -207,7 +212,7 @@ def _cylinder(region: SeenRegion, name: str, config: ShapeFitConfig) -> tuple[Ob
         side = (np.linalg.norm(own - x[:2], axis=1) - x[2]) / SCALE / max(1.0, np.sqrt(len(own) / 120))
         return np.asarray(np.concatenate([side, (A @ x - reach) / config.top_deviation / 2.0]))
 
-    x, y, radius = least_squares(residuals, x0, loss="soft_l1").x
+    x, y, radius = least_squares(residuals, x0, loss="soft_l1", ftol=CONVERGED).x
     if min(radius, height) < THINNEST:
         return None
     volume = np.pi * radius**2 * height
@@ -215,8 +220,8 @@ def _cylinder(region: SeenRegion, name: str, config: ShapeFitConfig) -> tuple[Ob
     return item, _upright(x, y, height, 0.0)
 
 
-RoundFit = tuple[float, ObjectModel, Pose]
-"""How far most points are from a surface [m], the shape, and X_WO."""
+RoundFit = tuple[float, Callable[[], tuple[ObjectModel, Pose]]]
+"""How far most points are from a surface [m], and what makes the shape and X_WO."""
 
 
 def _lying_capsule(region: SeenRegion, name: str, config: ShapeFitConfig) -> RoundFit | None:
@@ -238,12 +243,12 @@ def _lying_capsule(region: SeenRegion, name: str, config: ShapeFitConfig) -> Rou
 
     low, high = [-np.inf] * 3 + [0.0006, 0.006], [np.inf] * 3 + [0.2, 0.1]
     start = np.clip([*middle, yaw, half, radius], low, high)
-    fit = least_squares(residuals, start, loss="soft_l1", bounds=(low, high))
+    fit = least_squares(residuals, start, loss="soft_l1", bounds=(low, high), ftol=CONVERGED)
     x, y, yaw, half, radius = fit.x
     volume = np.pi * radius**2 * (2.0 * half + 4.0 / 3.0 * radius)
     sizes = {"radius": radius, "length": 2.0 * (half + radius), "axis": "x"}
     item = _described(Capsule, "capsule", name, config, volume, **sizes)
-    return _misfit(SCALE * residuals(fit.x)[:-1]), item, _upright(x, y, 2.0 * radius, yaw)
+    return _misfit(SCALE * residuals(fit.x)[:-1]), lambda: (item, _upright(x, y, 2.0 * radius, yaw))
 
 
 def _misfit(distances: Array) -> float:
@@ -261,31 +266,46 @@ def _revolved(region: SeenRegion, name: str, config: ShapeFitConfig) -> RoundFit
     knots = np.linspace(bottom, top, KNOTS)
     peak = points[points[:, 2] > top - 0.2 * (top - bottom), :2].mean(axis=0)
 
-    def residuals(x: Array) -> Array:
-        radii = np.interp(points[:, 2], knots, x[2:])
-        # across the surface: of steep profiles radii tell, of flat ones heights
-        slopes = np.interp(points[:, 2], 0.5 * (knots[1:] + knots[:-1]), np.diff(x[2:]) / np.diff(knots))
+    # radii and slopes at the points are linear in the radii at the knots
+    z, each = points[:, 2], np.eye(KNOTS)
+    to_radii = np.stack([np.interp(z, knots, one) for one in each], axis=1)
+    middles = 0.5 * (knots[1:] + knots[:-1])
+    to_slopes = np.stack([np.interp(z, middles, np.diff(one) / np.diff(knots)) for one in each], axis=1)
+
+    def parts(x: Array) -> tuple[Array, Array, Array, Array]:
+        """Distances from the axis, from the side and from the top, and what the side's slopes take off."""
         from_axis = np.linalg.norm(points[:, :2] - x[:2], axis=1)
-        ways = np.abs(from_axis - radii) / np.sqrt(1.0 + slopes**2)
+        # across the surface: of steep profiles radii tell, of flat ones heights
+        across = 1.0 / np.sqrt(1.0 + (to_slopes @ x[2:]) ** 2)
         # up to its radius at the top it ends in a disc, as a cap does
-        ways = np.where(from_axis < x[-1], np.minimum(ways, np.abs(points[:, 2] - top)), ways)
-        return np.asarray(ways / SCALE)
+        from_disc = np.where(from_axis < x[-1], np.abs(z - top), np.inf)
+        return from_axis, (from_axis - to_radii @ x[2:]) * across, from_disc, across
+
+    def residuals(x: Array) -> Array:
+        _, from_side, from_disc, _ = parts(x)
+        return np.asarray(np.minimum(np.abs(from_side), from_disc) / SCALE)
+
+    def jacobian(x: Array) -> Array:
+        """Without the change of slopes, of which residuals depend little."""
+        from_axis, from_side, from_disc, across = parts(x)
+        weight = np.where(np.abs(from_side) < from_disc, np.sign(from_side) * across, 0.0) / SCALE
+        away = (x[:2] - points[:, :2]) / np.maximum(from_axis, 1e-9)[:, None]
+        return np.asarray(weight[:, None] * np.concatenate([away, -to_radii], axis=1))
 
     distances = np.linalg.norm(points[:, :2] - peak, axis=1)
     rows = np.clip(np.searchsorted(knots, points[:, 2]), 0, KNOTS - 1)
     start = [np.median(distances[rows == i]) if np.any(rows == i) else 0.01 for i in range(KNOTS)]
     low, high = [-np.inf] * 2 + [0.0] * KNOTS, [np.inf] * 2 + [0.15] * KNOTS
-    fit = least_squares(residuals, [*peak, *start], loss="soft_l1", bounds=(low, high), max_nfev=25)
+    fit = least_squares(
+        residuals, [*peak, *start], jacobian, loss="soft_l1", bounds=(low, high), ftol=CONVERGED, max_nfev=25
+    )
     misfit = _misfit(SCALE * residuals(fit.x))
     if misfit > config.close:
         return None
     circles = fit.x[:2] + fit.x[2:, None, None] * DIRECTIONS[::RING]
     rings = np.concatenate([np.insert(c, 2, z, axis=1) for c, z in zip(circles, knots, strict=True)])
     widest = float(knots[np.argmax(fit.x[2:])])
-    try:
-        return misfit, *_mesh(_completed(rings, widest, float(top)), name, config)
-    except ValueError:
-        return None
+    return misfit, lambda: _mesh(_completed(rings, widest, float(top)), name, config)
 
 
 def _round_hull(

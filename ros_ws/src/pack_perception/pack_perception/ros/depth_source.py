@@ -64,6 +64,7 @@ class DepthSource:
         self._taken: list[tuple[float, int, Array]] = []
         self._pairing = FramePairing(len(self._cameras))
         self._described: Scene | None = None
+        self._looked = float("nan")
         self._description, self._seen = (
             node.advertise(contracts.DESCRIPTION),
             node.advertise(contracts.SEEN_OBJECTS),
@@ -121,7 +122,10 @@ class DepthSource:
         if estimator.knows_objects and estimator.scene is not self._described:
             self._described = estimator.scene
             self._description.publish(String(data=estimator.scene.to_yaml()))
-            self._seen.publish(String(data=SeenObjects(objects=estimator.deviations).to_yaml()))
+        if np.isfinite(estimator.looked) and estimator.looked != self._looked:
+            self._looked = estimator.looked
+            seen = SeenObjects(time=estimator.looked, objects=estimator.deviations)
+            self._seen.publish(String(data=seen.to_yaml()))
 
     def _on_info(self, camera: int, message: CameraInfo) -> None:
         described = self._cameras[camera]

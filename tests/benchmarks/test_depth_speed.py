@@ -1,0 +1,99 @@
+"""Processor time of perception by depth images, one core: a look, and a frame of tracking."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from pytest_benchmark.fixture import BenchmarkFixture
+
+from pack_core.joints import JointSample
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.depth import DepthFrame
+from pack_core.packing.scene import Scene
+from pack_lockstep.packing.lockstep_config import load_preset, lockstep_config
+from pack_perception.depth.depth_estimator import DepthEstimator
+from pack_perception.perception_config import PerceptionConfig
+from pack_sim.packing.depth_cameras import DepthCameraSystem
+from pack_sim.packing.scene_generator import generate_scene
+from pack_sim.packing.simulator import Simulator
+
+SEEDS = range(3, 8)
+"""Scenes that are looked at, of the seeds for tuning."""
+STEPS = 60
+"""Of the physics before the images are taken [ms]."""
+ROUNDS = 3
+"""How often each scene is looked at."""
+FRAMES = 10
+"""How often the images are tracked after it."""
+
+
+@dataclass(frozen=True)
+class Moment:
+    """What perception has when it looks: description, joint samples and the images after them."""
+
+    scene: Scene
+    cell: PackingCell
+    config: PerceptionConfig
+    joints: list[JointSample]
+    frame: DepthFrame
+
+    def estimator(self) -> DepthEstimator:
+        """An estimator that has not looked yet."""
+        estimator = DepthEstimator(self.scene, self.cell, self.config)
+        for sample in self.joints:
+            estimator.advance(sample)
+        return estimator
+
+
+@pytest.fixture(scope="module", params=["unknown", "unknown_household"])
+def moments(request: pytest.FixtureRequest) -> list[Moment]:
+    preset = load_preset(request.param)
+    cell, config = preset.packing_cell(), lockstep_config(preset)
+    found = []
+    for seed in SEEDS:
+        rng = np.random.default_rng(seed)
+        simulator = Simulator(cell, generate_scene(seed, cell), config.simulator, rng)
+        joints = [simulator.joints()]
+        for _ in range(STEPS):
+            simulator.step()
+            joints.append(simulator.joints())
+        frame = DepthCameraSystem(cell.depth, rng).capture(simulator.model, simulator.data, simulator.time)
+        found.append(Moment(simulator.description, cell, config.estimator, joints, frame))
+    return found
+
+
+def median_time(benchmark: BenchmarkFixture, calls: list[Callable[[], object]]) -> float:
+    """Median processor time of some calls [s]: other work on the machine does not count."""
+    times = []
+
+    def all_of_them() -> None:
+        for call in calls:
+            start = time.process_time()
+            call()
+            times.append(time.process_time() - start)
+
+    benchmark.pedantic(all_of_them)
+    benchmark.extra_info["median_ms"] = 1e3 * float(np.median(times))
+    benchmark.extra_info["largest_ms"] = 1e3 * float(np.max(times))
+    return float(np.median(times))
+
+
+def test_a_look_takes_at_most_half_a_second(benchmark: BenchmarkFixture, moments: list[Moment]) -> None:
+    moments[0].estimator().see(moments[0].frame)  # what is compiled or read at first does not count
+    looks = [(moment.estimator(), moment.frame) for moment in moments for _ in range(ROUNDS)]
+    median = median_time(benchmark, [lambda e=e, f=f: e.see(f) for e, f in looks])  # type: ignore[misc]
+    assert all(estimator.knows_objects for estimator, _ in looks)
+    assert median <= 0.5
+
+
+def test_a_frame_takes_at_most_25_milliseconds(benchmark: BenchmarkFixture, moments: list[Moment]) -> None:
+    calls: list[Callable[[], object]] = []
+    for moment in moments:
+        estimator = moment.estimator()
+        assert estimator.see(moment.frame).seen
+        calls += [lambda e=estimator, f=moment.frame: e.see(f)] * FRAMES  # type: ignore[misc]
+    assert median_time(benchmark, calls) <= 0.025
