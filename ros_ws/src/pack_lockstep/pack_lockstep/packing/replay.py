@@ -191,9 +191,8 @@ def estimate_by_depth(
 ) -> dict[str, Track]:
     """Estimated tracks by object, with a pose after every joint state that is used, and after every frame.
 
-    The cameras hang where a calibration has found them, or by default where they are described. It looks at
-    the images that were looked at: of others, sizes and the order of the names would differ. Where the
-    recording has no frame from before the look, what was seen then counts as described.
+    The cameras hang where a calibration has found them, or else where described. It looks at the images that
+    were looked at, as others give other sizes; what was seen in none that was recorded counts as described.
     """
     config, cell = preset.parameters("perception", PerceptionConfig), preset.packing_cell()
     estimator: DepthEstimator | None = None
@@ -231,16 +230,7 @@ def estimate_by_depth(
 def _use_frames(
     estimator: DepthEstimator, waiting: deque[DepthFrame], looks: Sequence[float]
 ) -> list[SceneState]:
-    """Correct an estimate by the frames for which joint states have come.
-
-    Args:
-        estimator: the estimate.
-        waiting: the frames, oldest first; what was used is taken out.
-        looks: when the images were exposed that were looked at [s].
-
-    Returns:
-        The state after each of them.
-    """
+    """The states after each frame that joint states have come for; `looks` are times of looks [s]."""
     states = []
     while waiting and not estimator.is_ahead(waiting[0]):
         frame = waiting.popleft()

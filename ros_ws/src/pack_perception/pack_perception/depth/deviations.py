@@ -32,7 +32,7 @@ LEVELS = (0.5, 0.75, 0.95)
 
 
 @dataclass(frozen=True)
-class Spread:
+class ShapeSpread:
     """Deviations of a kind of shape where all of it was seen, as looks of the seeds for tuning have them.
 
     Attributes:
@@ -47,8 +47,8 @@ class Spread:
 
 
 SPREADS = {
-    "box": Spread(0.0008, 0.00025, 0.6), "cylinder": Spread(0.001, 0.00025),
-    "capsule": Spread(0.0006, 0.00025), "mesh": Spread(0.0018, 0.0009),
+    "box": ShapeSpread(0.0008, 0.00025, 0.6), "cylinder": ShapeSpread(0.001, 0.00025),
+    "capsule": ShapeSpread(0.0006, 0.00025), "mesh": ShapeSpread(0.0018, 0.0009),
 }  # fmt: skip
 
 

@@ -87,7 +87,7 @@ def candidates(
 ) -> list[FittedShape]:
     """All shapes that may have the region as their top, the best one first; none if too little was seen.
 
-    There is no hull among those of a flat top if a simple shape's overlap is `good`.
+    Where a simple shape's overlap with a flat top is `good`, no hull is tried.
     """
     if len(region.top) < config.few:
         return []
@@ -266,8 +266,7 @@ def _revolved(region: SeenRegion, name: str, config: ShapeFitConfig) -> RoundFit
     knots = np.linspace(bottom, top, KNOTS)
     peak = points[points[:, 2] > top - 0.2 * (top - bottom), :2].mean(axis=0)
 
-    # radii and slopes at the points are linear in the radii at the knots
-    z, each = points[:, 2], np.eye(KNOTS)
+    z, each = points[:, 2], np.eye(KNOTS)  # radii and slopes are linear in the radii at the knots
     to_radii = np.stack([np.interp(z, knots, one) for one in each], axis=1)
     middles = 0.5 * (knots[1:] + knots[:-1])
     to_slopes = np.stack([np.interp(z, middles, np.diff(one) / np.diff(knots)) for one in each], axis=1)
