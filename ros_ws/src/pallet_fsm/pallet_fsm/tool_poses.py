@@ -24,17 +24,18 @@ ALONG = 0.9
 """Cosine from which two directions count as the same; those compared are quarter turns apart."""
 
 
-def _signed_permutations() -> tuple[Array, ...]:
-    """The 24 proper rotations of a cube, each `(3, 3)`."""
+def _signed_permutations() -> Array:
+    """The 24 proper rotations of a cube `(24, 3, 3)`."""
     matrices = (
         np.eye(3)[list(order)] * np.array(signs)[:, None]
         for order in permutations(range(3))
         for signs in product((1.0, -1.0), repeat=3)
     )
-    return tuple(matrix for matrix in matrices if np.linalg.det(matrix) > 0.0)  # -1: with a reflection
+    return np.array([matrix for matrix in matrices if np.linalg.det(matrix) > 0.0])  # -1: with a reflection
 
 
 CUBE = _signed_permutations()
+QUATERNIONS = tuple(from_matrix(R) for R in CUBE)
 
 
 def box_orientations(dims: Sequence[float], extents: Sequence[float | None]) -> list[Array]:
@@ -44,12 +45,10 @@ def box_orientations(dims: Sequence[float], extents: Sequence[float | None]) -> 
         dims: edges of the box along its own axes [m].
         extents: wanted extent along each axis of the world [m]; None: any.
     """
-    found = []
-    for R_WB in CUBE:
-        edges = np.abs(R_WB) @ np.asarray(dims)
-        if all(want is None or abs(edge - want) < EQUAL for edge, want in zip(edges, extents, strict=True)):
-            found.append(from_matrix(R_WB))
-    return found
+    edges = np.abs(CUBE) @ np.asarray(dims)
+    wanted = np.array([np.nan if want is None else want for want in extents])
+    is_one = np.all(np.isnan(wanted) | (np.abs(edges - wanted) < EQUAL), axis=1)
+    return [QUATERNIONS[i].copy() for i in np.flatnonzero(is_one)]
 
 
 def points_along(X_WT: Pose, direction: Array) -> bool:

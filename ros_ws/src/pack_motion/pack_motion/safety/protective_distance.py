@@ -32,8 +32,8 @@ class ProtectiveSeparation(Config):
     )
     top_speed: PositiveFloat = Field(description="v_h of whoever is seen to be faster [m/s]")
     reaction: PositiveFloat = Field(
-        description="part of T_r: a cycle, and what driver and joints are behind it; the age of the newest "
-        "observation at the time of the setpoint is added [s]"
+        description="part of T_r: a cycle, and what driver and joints are behind it; for people the age of "
+        "the newest observation at the time of the setpoint is added [s]"
     )
     intrusion: NonNegativeFloat = Field(description="C, what reaches beyond what the sensor sees [m]")
     seen_uncertainty: NonNegativeFloat = Field(description="Z_d, of the position of whoever is seen [m]")
@@ -48,9 +48,9 @@ class PredictedStop:
     """How the k bodies of the robot come to rest if the stop is triggered now.
 
     Attributes:
-        reaction_time: T_r, until the robot brakes [s].
+        reaction_time: T_r, from when people were seen until the robot brakes [s].
         stopping_time: T_s, from then until it stands [s].
-        reaction_ways: the way of each body's fastest point within T_r `(k,)` [m].
+        reaction_ways: the way of each body's fastest point that is left within T_r `(k,)` [m].
         stopping_ways: the same within T_s `(k,)` [m].
     """
 

@@ -131,10 +131,11 @@ class SeparationMonitor:
         return self._distances
 
     def _stop(self, plan: ReferenceTrajectory, clock: float, rate: float, seen: Seen) -> PredictedStop:
-        reaction = seen.age + self._config.reaction
+        reaction = self._config.reaction
         way, braking, stopping = stop_ahead(
             plan.times, plan.q, plan.v, plan.a, clock, rate, self._limit, self._time, reaction
         )
         b, chain = self._bodies, self._chain
         ways = ways_of_bodies(chain.axes, chain.points, way, braking, b.link, b.R, b.p, b.half)
-        return PredictedStop(reaction, stopping, *ways)
+        # Since they were seen, people have gone on, while the gaps are those from where the robot is now.
+        return PredictedStop(seen.age + reaction, stopping, *ways)
