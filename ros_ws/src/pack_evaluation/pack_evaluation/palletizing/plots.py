@@ -230,10 +230,13 @@ def draw_states(figure: Figure, run: PalletRun) -> None:
 
 
 def draw_visitors(figure: Figure, run: PalletRun) -> None:
-    """True distance of visitors from the arm and what it carries, and the speed of the tool."""
+    """True distance of visitors from the arm and what it carries, its margin, and the speed of the tool."""
     upper, lower = figure.subplots(2, 1, sharex=True)
     for name, track in run.visitors.items():
         upper.plot(track.times, track.distance, lw=1.0, label=name)
+    if run.separation is not None:
+        kept = np.where(run.separation.is_under_way, run.separation.margin, np.nan)
+        upper.plot(run.separation.times, kept, color=INK, lw=0.8, label="margin, under way")
     upper.axhline(0.1, color=AXES[0], lw=0.9, ls="--")
     upper.set(ylabel="distance [m]", ylim=(0.0, 3.0), title="Distance of visitors, and speed of the tool")
     if run.visitors:

@@ -85,8 +85,9 @@ def orders(name: str, summary: Summary) -> TextTable:
 def _visitors(found: Mapping[str, Any] | None) -> str:
     if found is None:
         return "-"
-    nearest = optional_number(found["least_m"])
-    return f"{found['crossings']} crossings, nearest {nearest} m, {found['touches']} contacts"
+    nearest, margin = optional_number(found["least_m"]), optional_number(found["margin_m"])
+    seen = f"{found['crossings']} crossings, nearest {nearest} m, least margin {margin} m"
+    return f"{seen}, {found['touches']} contacts"
 
 
 def _held(hold: Mapping[str, int]) -> str:
