@@ -10,7 +10,9 @@ from pack_core.motion.target import MotionState, MotionTarget, ReachTolerance
 from pack_core.motion.world import Obstacle
 from pack_core.rotations import Array, Pose
 from pack_motion.arm.arm import MotionArm
+from pack_motion.controller import MotionController
 from pack_motion.rmpflow.spheres import box_distance
+from pack_motion.tracking.config import motion_set
 from unit.pack_motion.loop import PERIOD, Loop, pose
 
 HOVER, GOAL, AWAY = pose(-2.5, 2.5, 1.1, 0.1), pose(-2.5, 2.5, 0.9, 0.1), pose(-2.5, 2.3, 1.2, 0.1)
@@ -142,6 +144,17 @@ def test_the_policies_of_the_table_drive_around_an_obstacle_in_the_path(arm: Mot
     loop.run(target(PoseMove(HOVER), obstacles=(thing,)))
     assert loop.controller.status().state is MotionState.REACHED
     assert clearance(loop, thing) > 0.05
+
+
+def test_a_tool_that_the_policies_of_the_table_keep_from_its_target_is_stuck(arm: MotionArm) -> None:
+    thing = Obstacle("thing", Pose(HOVER.p), np.array([0.4, 0.4, 0.4]), is_moving=True)
+    table, loop = motion_set("table_4_1"), Loop(arm)
+    impatient = table.model_copy(update={"stuck": table.stuck.model_copy(update={"waiting": 2.0})})
+    loop.controller = MotionController(arm, impatient, 0.0, arm.home)
+    loop.run(target(PoseMove(HOVER), obstacles=(thing,)), limit=4.0)
+    status = loop.controller.status()
+    assert status.state is MotionState.STUCK
+    assert "held up" in status.reason
 
 
 def test_the_arm_waits_before_a_wall_in_its_path(arm: MotionArm) -> None:

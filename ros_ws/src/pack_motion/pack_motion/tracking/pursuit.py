@@ -140,7 +140,10 @@ class ShapedPursuit(Pursuit):
 
 
 class StaticPursuit(Pursuit):
-    """The reference is the end of a segment, and jumps to the next one once the tool has arrived there."""
+    """The reference is the end of a segment, and jumps to the next one once the tool has arrived there.
+
+    Its rate is 0 but in the step in which it jumps: a tool that obstacles keep from its target is stuck.
+    """
 
     NEAR = 0.002
     """Deviation of the tool's point below which it has arrived [m]."""
@@ -157,11 +160,13 @@ class StaticPursuit(Pursuit):
         self, h: float, deviation: float, q: Array, seen: Seen
     ) -> tuple[JointState, JointState, Array | None]:
         """See `Pursuit`."""
-        if not self._is_new and deviation < self.NEAR:
+        has_arrived = not self._is_new and deviation < self.NEAR
+        if has_arrived:
             if self._index + 1 < len(self._goals):
                 self._index += 1
             else:
                 self._is_over = True
+        self.rate = 1.0 if has_arrived or self._is_new else 0.0
         self._is_new = False
         self.segment = self._segments[self._index]
         goal = JointState.at_rest(self._goals[self._index])
