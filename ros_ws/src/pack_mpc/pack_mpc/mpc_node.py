@@ -135,7 +135,7 @@ class MpcNode(GoalNode):
         if self.is_cancel_requested:
             goal.finish(PackingExitReason.CANCELED, seen.joints.time, "on request")
         if session is not None:
-            self._watch_load(session, seen)
+            self._watch_held(session, seen)
         self._give_up_for_load(goal)
         turn = goal.turn(seen, self._mailbox.force, latency)
         self._worker.is_waiting = self._placements.is_pending
@@ -154,7 +154,7 @@ class MpcNode(GoalNode):
         self._status.publish(to_status(goal.session, seen, turn.plan, self._load))
         return self._mailbox.time - seen.joints.time
 
-    def _watch_load(self, session: PackingSession, seen: PackingObservation) -> None:
+    def _watch_held(self, session: PackingSession, seen: PackingObservation) -> None:
         """End a packing goal when the pump holds something else than the description says, or nothing.
 
         A job goes on: what the pump holds is put aside.

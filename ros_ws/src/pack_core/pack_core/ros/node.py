@@ -26,7 +26,7 @@ from rclpy.time_source import TimeSource
 from rclpy.timer import Timer
 
 from pack_core.errors import ConfigError, PackError
-from pack_core.namespace import below
+from pack_core.namespace import in_cell, lifeline
 from pack_core.ros.clock import SimulatedTime, TakenByHand
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract, events_of
@@ -44,8 +44,6 @@ ASSERTION_PERIOD = 0.05
 """How often a node says that it is alive [s of wall clock]: ten times within the lease, as some come late."""
 READINESS_PERIOD = 0.1
 """How often a node that has just started looks whether it is ready [s of wall clock]."""
-OUTSIDE_CELLS = ("/parameter_events",)
-"""Topics of the middleware that every node of a domain shares, whatever its namespace: they name the node."""
 BEATS_BETWEEN_LOOKS = 4
 """Signs of life from one look for a second simulator to the next: five looks a second."""
 
@@ -156,11 +154,11 @@ class CellNode(Node):
         The table's names begin with a slash, as recordings have them; a cell in a namespace has all of them
         there, `/tf` and `/clock` included, so that two cells of one domain share nothing.
         """
-        return name if name in OUTSIDE_CELLS else below(self.get_namespace(), name)
+        return in_cell(self.get_namespace(), name)
 
     def lifeline(self, name: str) -> str:
         """By which name a node of this cell is known on this machine."""
-        return self.in_cell(f"/{name}").removeprefix("/")
+        return lifeline(self.get_namespace(), name)
 
     def create_publisher(self, msg_type: Any, topic: str, *args: Any, **kwargs: Any) -> Publisher:
         """As of every node, for a topic of the wiring table."""

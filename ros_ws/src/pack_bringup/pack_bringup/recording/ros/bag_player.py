@@ -20,10 +20,9 @@ from pack_bringup.recording.ros.recorded_topics import message_types
 from pack_core import stamps
 from pack_core.bag_topic import Topic
 from pack_core.errors import BagError
-from pack_core.namespace import ROOT, below
+from pack_core.namespace import ROOT, in_cell, lifeline
 from pack_core.ros.contracts import shared
 from pack_core.ros.messages.conversions import to_stamp
-from pack_core.ros.node import OUTSIDE_CELLS
 from pack_core.ros.run import confirm_network, start_ros
 from pack_core.ros.watch.peer_watch import SignOfLife
 from pack_core.ros.watch.watch_socket import WatchSocket
@@ -40,8 +39,7 @@ class PlayerNode(Node):
 
     def create_publisher(self, msg_type: Any, topic: str, *args: Any, **kwargs: Any) -> Publisher:
         """As of every node."""
-        name = topic if topic in OUTSIDE_CELLS else below(self.get_namespace(), topic)
-        return super().create_publisher(msg_type, name, *args, **kwargs)
+        return super().create_publisher(msg_type, in_cell(self.get_namespace(), topic), *args, **kwargs)
 
 
 class BagPlayer:
@@ -77,8 +75,7 @@ class BagPlayer:
         )
         self._signs, self._given = [SignOfLife(self._node, name) for name in stand_in], 0.0
         self._watch_sockets = [
-            WatchSocket(self._context.get_domain_id(), below(namespace, f"/{name}").removeprefix("/"))
-            for name in stand_in
+            WatchSocket(self._context.get_domain_id(), lifeline(namespace, name)) for name in stand_in
         ]
 
     def __enter__(self) -> Self:

@@ -18,7 +18,7 @@ from rclpy.node import Node
 from rclpy.qos import LivelinessPolicy, QoSProfile
 from std_msgs.msg import Empty
 
-from pack_core.namespace import below
+from pack_core.namespace import lifeline
 from pack_core.ros.watch.watch_connection import WatchConnection
 
 LEASE = Duration(seconds=0.5)
@@ -87,7 +87,7 @@ class PeerWatch:
     ) -> None:
         self.peer = peer
         self._node, self._on_change, self._on_end = node, on_change, on_end
-        self._lifeline = below(node.get_namespace(), f"/{peer}").removeprefix("/")
+        self._lifeline = lifeline(node.get_namespace(), peer)
         self._is_alive: bool | None = None
         self._silent_since_ns = 0
         self._lock = threading.Lock()
