@@ -19,6 +19,8 @@ Array = npt.NDArray[np.float64]
 IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
 """No turn, as a quaternion wxyz."""
 
+_AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+"""The unit vectors x, y and z."""
 _LEFT = np.array(
     [
         [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]],
@@ -70,9 +72,12 @@ def rotate(q_AB: npt.ArrayLike, v_B: npt.ArrayLike) -> Array:
 
 def to_matrix(q: npt.ArrayLike) -> Array:
     """Rotation matrices `(..., 3, 3)`."""
-    # Column k is the rotated unit vector k; `rotate` returns them as rows.
-    quaternions = np.asarray(q, dtype=float)[..., None, :]
-    return np.moveaxis(rotate(quaternions, np.eye(3)), -1, -2)
+    # Column k is the rotated unit vector k; both branches have them as rows first.
+    quaternions = np.asarray(q, dtype=float)
+    if quaternions.ndim == 1:
+        w, a, b, c = quaternions.tolist()
+        return np.array([one_quaternion.rotated(w, a, b, c, *axis) for axis in _AXES]).T
+    return np.moveaxis(rotate(quaternions[..., None, :], _AXES), -1, -2)
 
 
 def from_matrix(R: npt.ArrayLike) -> Array:
