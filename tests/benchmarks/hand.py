@@ -112,34 +112,26 @@ def is_over(step: Step) -> bool:
     return step.stage == "FINE_TUNE"
 
 
-def follow(setup: PackingSetup, seed: int, what: str, config: LoadConfig) -> Watched:
+def follow(setup: PackingSetup, seed: int, what: str) -> Watched:
     """Begin the goal of a scene with something done to what is held."""
-    found, forces, count, is_planted = Watched(), list[Array](), 0, False
-    every = steps_between(WRENCH_RATE, setup.config.simulator.timestep)
+    found, is_planted = Watched(), False
     late = np.random.default_rng(seed).uniform(0.0, LATEST) if what == LOST else 0.0
 
     def on_sample(lockstep: Lockstep) -> None:
-        nonlocal count, is_planted
+        nonlocal is_planted
         if not is_planted and lockstep.simulator.time >= start + late:
             is_planted = True
             weigh(lockstep.simulator, FAULTS[what])
-        count += 1
-        if count % every == 0:
-            forces.append(lockstep.simulator.external_wrench()[0])
 
     lockstep = begin(setup, seed, on_sample)
     start = lockstep.simulator.time
-    watch = HeldWatch(arm_chain(setup.cell), lockstep.session.scene, config)
 
     def look(step: Step) -> None:
         if is_over(step):
             raise Ended
         found.seconds = step.time - start
-        fault = watch.observe(step.seen.joints, np.array(forces), step.seen.scene)
-        forces.clear()
-        if fault is not None:
-            found.named, found.delay = fault.message, step.time - start - late
-            raise Ended
+        if (outcome := lockstep.session.task.outcome) is not None:
+            found.named, found.delay = outcome.message, found.seconds - late
 
     with suppress(Ended):
         lockstep.run(look)
@@ -215,7 +207,7 @@ def main(preset: str = "ideal", scenes: int = 10, seed: int = 0, drawn_of: int =
     else:
         for number in track(range(seed, seed + scenes), "packing"):
             for what, found in done.items():
-                found.append(follow(setup, number, what, config))
+                found.append(follow(setup, number, what))
     table = Table("what is done", "goals", "named", "within 0.5 s", "delay, mean, longest [s]",
                   "watched, mean [s]", title=f"preset {preset}, {scenes} scenes from seed {seed}, "
                   + (f"drawn, bias {bias} N" if drawn_of else "simulated"))  # fmt: skip

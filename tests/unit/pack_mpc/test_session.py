@@ -25,7 +25,7 @@ def session(scene: Scene) -> PackingSession:
 
 def seen(joints: JointSample, state: SceneState, *lost: str) -> PackingObservation:
     objects = {name: pose for name, pose in state.objects.items() if name not in lost}
-    return PackingObservation(joints, replace(state, objects=objects), np.zeros(1))
+    return PackingObservation(joints, replace(state, objects=objects), np.zeros((1, 3)))
 
 
 def test_an_object_that_the_scene_has_lost_holds_the_goal_until_it_is_back(

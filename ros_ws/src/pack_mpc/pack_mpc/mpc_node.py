@@ -21,9 +21,6 @@ from pack_core.ros.packing import read_packing_cell
 from pack_core.ros.run import run_node
 from pack_mpc.cost.weights import load_weights
 from pack_mpc.filling.fill_config import FillSessionConfig
-from pack_mpc.held_watch import HeldWatch, arm_chain
-from pack_mpc.load_estimate import LoadConfig
-from pack_mpc.observation import PackingObservation
 from pack_mpc.optimizers import OPTIMIZERS
 from pack_mpc.ros.fill_goal import FillAction, FillGoal
 from pack_mpc.ros.mailbox import Mailbox
@@ -37,7 +34,6 @@ class MpcNodeConfig(FillSessionConfig):
     """Parameters of the node `mpc`."""
 
     worker: WorkerConfig = WorkerConfig()
-    load: LoadConfig = LoadConfig()
     watched: tuple[str, ...] = Field(
         default=("sim", "perception", "planner", "recorder"), description="the arm holds while one is silent"
     )
@@ -54,8 +50,6 @@ class MpcNode(GoalNode):
         self._scene: Scene | None = None
         self._load = LoadShedding()
         self._pursued: PackGoal | FillGoal | None = None
-        self._arm = arm_chain(self._cell)
-        self._watched: tuple[PackingSession, HeldWatch] | None = None
         self._sending = threading.Lock()
         self._mailbox = Mailbox(self, self._cell.robot.arm.joints)
         self._placements = PlacementClient(self)
@@ -134,8 +128,6 @@ class MpcNode(GoalNode):
         seen = self._mailbox.observe(self._config.blind_time if session is None else session.blind_time)
         if self.is_cancel_requested:
             goal.finish(PackingExitReason.CANCELED, seen.joints.time, "on request")
-        if session is not None:
-            self._watch_held(session, seen)
         self._give_up_for_load(goal)
         turn = goal.turn(seen, self._mailbox.force, latency)
         self._worker.is_waiting = self._placements.is_pending
@@ -153,17 +145,6 @@ class MpcNode(GoalNode):
         self._load = self._load.after(seen.joints.time)
         self._status.publish(to_status(goal.session, seen, turn.plan, self._load))
         return self._mailbox.time - seen.joints.time
-
-    def _watch_held(self, session: PackingSession, seen: PackingObservation) -> None:
-        """End a packing goal when the pump holds something else than the description says, or nothing.
-
-        A job goes on: what the pump holds is put aside.
-        """
-        if self._watched is None or self._watched[0] is not session:
-            self._watched = session, HeldWatch(self._arm, session.scene, self._config.load)
-        fault = self._watched[1].observe(seen.joints, self._mailbox.take_forces(), seen.scene)
-        if fault is not None:
-            session.task.finish(fault.reason, seen.joints.time, fault.message)
 
     def _give_up_for_load(self, goal: PackGoal | FillGoal) -> None:
         """Do without what does not fit."""

@@ -18,7 +18,7 @@ class PackingObservation:
     Attributes:
         joints: newest sample of the joints.
         scene: newest estimate of the objects.
-        forces: magnitudes of the external force since the last observation `(n,)` [N].
+        forces: external forces since the last observation `(n, 3)` [N], in the axes of /wrench.
         is_held: whether the pump holds the object.
     """
 

@@ -15,6 +15,8 @@ from pack_core.packing.scene import Scene
 from pack_core.states import SceneState
 from pack_mpc.controller import ControllerConfig, ControlPlan, PackingController
 from pack_mpc.cost.weights import WeightFactors, load_weights
+from pack_mpc.held_watch import HeldWatch, arm_chain
+from pack_mpc.load_estimate import LoadConfig
 from pack_mpc.observation import PackingObservation, unseen_of, with_parked
 from pack_mpc.task.task import PackingTask, TaskConfig
 
@@ -28,6 +30,7 @@ class SessionConfig(Config):
     weight_factors: WeightFactors = WeightFactors()
     controller: ControllerConfig = ControllerConfig()
     task: TaskConfig = TaskConfig()
+    load: LoadConfig = LoadConfig()
     blind_time: PositiveFloat = Field(
         default=1.0,
         description="the arm holds when the cameras have seen no object at all for so long, but in LOOK [s]",
@@ -62,6 +65,7 @@ class PackingSession:
         )
         known = scene if method.knows_objects else scene.model_copy(update={"objects": []})
         self.controller = PackingController(known, cell, weights, config.controller)
+        self._watch = HeldWatch(arm_chain(cell), scene, config.load)
         self.iterations_ms: list[float] = []
 
     def needs_placement(self, scene: SceneState) -> bool:
@@ -91,6 +95,8 @@ class PackingSession:
         task.note_forces(time, seen.forces)
         if not seen.is_held:
             task.finish(PackingExitReason.DETACHED, time, "the pump lost the object")
+        elif (fault := self._watch.observe(seen.joints, seen.forces, seen.scene)) is not None:
+            task.finish(fault.reason, time, fault.message)
         if task.update(time, X_WN, unseen):
             self.controller.change_cost()
         machine = task.machine

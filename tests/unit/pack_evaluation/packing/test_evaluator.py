@@ -7,7 +7,8 @@ import pytest
 from pack_core.packing import topics
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.seen_deviations import SEEN, SeenDeviations, SeenObjects, in_words
-from pack_evaluation.packing.evaluator import EVALUATOR, ReportedRun, load_reported
+from pack_evaluation.packing.evaluator import EVALUATOR
+from pack_evaluation.packing.from_bag import load_run
 from unit.pack_evaluation.packing.messages import OUTCOME, GoalWriter
 
 
@@ -57,8 +58,8 @@ def test_a_report_says_how_sure_the_look_was_of_each_object(tmp_path: Path) -> N
     writer.write(0.0, SEEN, data=SeenObjects(time=0.0, objects={box.name: known}).to_yaml())
     writer.write_goal(1.0, OUTCOME)
     writer.close()
-    run = load_reported(tmp_path)
-    assert isinstance(run, ReportedRun)
-    assert run.deviations == {box.name: known}
+    run = load_run(tmp_path)
+    assert run.seen is not None
+    assert run.seen.deviations == {box.name: known}
     report = EVALUATOR.evaluate(tmp_path, tmp_path / "out", with_video=False).report.read_text()
     assert f"<td>{in_words(box, known)}</td>" in report

@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 
 from pack_core.packing.entry import LANDING_MARGIN, WayIn
 from pack_core.packing.goals import PackingExitReason
 from pack_core.packing.scene import Scene
-from pack_core.rotations import Pose
+from pack_core.rotations import Array, Pose
 from pack_core.states import ObjectState, SceneState
 from pack_mpc.target import Stage
 from pack_mpc.task.task import PackingTask, TaskConfig
@@ -33,6 +34,10 @@ def scene_at(X_WN: Pose) -> SceneState:
 
 def at(height: float) -> Pose:
     return Pose(PLACE.p + np.array([0.0, 0.0, height]))
+
+
+def upward(magnitudes: ArrayLike) -> Array:
+    return np.outer(magnitudes, [0.0, 0.0, 1.0])
 
 
 def test_a_goal_waits_for_its_placement_over_the_middle_of_the_container(
@@ -162,8 +167,8 @@ def test_an_object_that_halts_short_of_its_place_is_pushed_ever_more_firmly(task
 
 
 def test_a_force_above_the_limit_ends_the_goal(task: PackingTask) -> None:
-    task.note_forces(10.5, np.full(50, 39.0))
-    task.note_forces(10.6, np.array([60.0]))
+    task.note_forces(10.5, upward(50 * [39.0]))
+    task.note_forces(10.6, upward([60.0]))
     assert task.outcome is not None
     assert task.outcome.exit_reason is PackingExitReason.FORCE
     assert task.outcome.force_mean == pytest.approx((50 * 39.0 + 60.0) / 51)
@@ -171,12 +176,12 @@ def test_a_force_above_the_limit_ends_the_goal(task: PackingTask) -> None:
 
 
 def test_one_noisy_sample_does_not_end_the_goal(task: PackingTask) -> None:
-    task.note_forces(10.5, np.array([1.0, 60.0, 1.0]))
+    task.note_forces(10.5, upward([1.0, 60.0, 1.0]))
     assert task.outcome is None
 
 
 def test_the_force_stop_is_filtered_alike_however_the_samples_are_split(scene) -> None:
-    forces = np.linspace(0.0, 80.0, 40)
+    forces = upward(np.linspace(0.0, 80.0, 40))
     ends = []
     for size in (1, 7, 40):
         task = PackingTask(scene, TaskConfig(force_stop=40.0), 10.0)

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from pack_core.errors import PackError
-from pack_core.packing.seen_deviations import SEEN, SeenDeviations, SeenObjects, in_words
-from pack_evaluation.bag import read_bag
+from pack_core.packing.seen_deviations import in_words
 from pack_evaluation.evaluator import Evaluation, Evaluator
 from pack_evaluation.packing.fill.evaluator import FILL_EVALUATOR
 from pack_evaluation.packing.fill.recording import has_fill_job
@@ -18,7 +16,6 @@ from pack_evaluation.packing.from_bag import load_run
 from pack_evaluation.packing.measures import PackingMeasures, measure, object_displacements
 from pack_evaluation.packing.plots import write_plots
 from pack_evaluation.packing.run import Run
-from pack_evaluation.packing.run_file import SUFFIX
 from pack_evaluation.packing.settled_samples import write_settled_samples
 from pack_evaluation.packing.video import write_still, write_video
 
@@ -36,27 +33,6 @@ class ObjectRow:
     mass: float
     moved: str
     seen: str = ""
-
-
-@dataclass(frozen=True)
-class ReportedRun(Run):
-    """A run, and how sure the look before it was.
-
-    Attributes:
-        deviations: of what depth cameras saw, by the names that perception gave; none with markers.
-    """
-
-    deviations: Mapping[str, SeenDeviations] = field(default_factory=dict)
-
-
-def load_reported(path: Path, goal: int | None = None) -> Run:
-    """A goal of a run as `load_run` reads it, with what a recording has of how sure the look was."""
-    run = load_run(path, goal)
-    if run.seen is None or path.suffix == SUFFIX:
-        return run
-    told = read_bag(path, (SEEN,)).of(SEEN)
-    deviations = SeenObjects.from_yaml(told[-1].data).objects if told else {}
-    return ReportedRun(**{part.name: getattr(run, part.name) for part in fields(run)}, deviations=deviations)
 
 
 def draw(run: Run, folder: Path) -> list[Path]:
@@ -99,13 +75,13 @@ def _as_seen(run: Run, name: str) -> str:
     if run.seen is None or name not in run.seen.objects:
         return ""
     item = run.seen.scene.model_of(run.seen.objects[name].name)
-    known = run.deviations.get(item.name) if isinstance(run, ReportedRun) else None
+    known = run.seen.deviations.get(item.name)
     sizes = " x ".join(f"{2000 * half:.0f}" for half in item.half_extents)
     return in_words(item, known) if known is not None else f"{sizes} mm"
 
 
 EVALUATOR = Evaluator(
-    load_reported, measure, draw, write_video, "packing/report.html.j2", report, still=write_still,
+    load_run, measure, draw, write_video, "packing/report.html.j2", report, still=write_still,
     instead=lambda path: FILL_EVALUATOR if has_fill_job(path) else None,
 )  # fmt: skip
 """Evaluates a packing goal; a recording that holds a fill job is evaluated as one, without a replay."""

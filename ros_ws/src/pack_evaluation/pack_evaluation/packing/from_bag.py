@@ -11,6 +11,7 @@ import numpy as np
 from pack_core import stamps
 from pack_core.errors import BagError, MessageError
 from pack_core.packing.scene import Scene
+from pack_core.packing.seen_deviations import SEEN, SeenObjects
 from pack_core.packing.settled_sample import SettledSample
 from pack_core.packing.topics import (
     DEPTH_INFOS,
@@ -37,7 +38,7 @@ from pack_evaluation.track import orientation, position, recorded_tracks
 
 TOPICS = (
     DESCRIPTION, MPC_STATUS, RESULT, TRUTH, SCENE, JOINT_STATES, WRENCH, GRIPPER_STATE, REAL_TIME_FACTOR,
-    SETTLED_SAMPLES, SIM_DESCRIPTION, DEPTH_INFOS[0],
+    SETTLED_SAMPLES, SIM_DESCRIPTION, DEPTH_INFOS[0], SEEN,
 )  # fmt: skip
 
 
@@ -74,14 +75,15 @@ def named_as_true(run: Run, bag: Bag) -> Run:
     moment = np.array([run.start])
     estimate = {name: track.at(moment).pose(0) for name, track in run.estimate.items()}
     truth = {name: track.at(moment).pose(0) for name, track in run.truth.items()}
-    return with_true_names(run, seen_objects(run.scene, estimate, told, truth), told)
+    deviations = SeenObjects.from_yaml(bag.of(SEEN)[-1].data).objects if bag.of(SEEN) else {}
+    return with_true_names(run, seen_objects(run.scene, estimate, told, truth, deviations), told)
 
 
 def _goal_in(bag: Bag, goal: int | None) -> tuple[Run, Bag]:
     """A goal, and the part of the bag that it is in."""
     bag, number = goal_of(
         bag, goal, result=RESULT, needed=(DESCRIPTION, TRUTH, SCENE, JOINT_STATES, WRENCH),
-        latched=(DESCRIPTION, SIM_DESCRIPTION, DEPTH_INFOS[0], SETTLED_SAMPLES), has_begun=_has_begun,
+        latched=(DESCRIPTION, SIM_DESCRIPTION, DEPTH_INFOS[0], SEEN, SETTLED_SAMPLES), has_begun=_has_begun,
     )  # fmt: skip
     if not bag.of(MPC_STATUS) and not bag.of(RESULT):
         raise BagError(f"{bag.path} has no message on {MPC_STATUS} or {RESULT}: was a goal sent?")

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from pack_core.packing.scene import Scene
+from pack_core.packing.seen_deviations import SeenDeviations
 from pack_core.packing.settled_sample import SettledSample
 from pack_core.rotations import Array, Pose
 from pack_evaluation.goals import RecordedRun
@@ -74,11 +75,13 @@ class SeenScene:
         scene: the scene as perception described it.
         poses: X_WO of what it knew of, by its own names.
         objects: what was found, by the true object's name.
+        deviations: standard deviations that perception told of what it knew, by its own names.
     """
 
     scene: Scene
     poses: Mapping[str, Pose]
     objects: Mapping[str, SeenObject]
+    deviations: Mapping[str, SeenDeviations] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from pack_core.errors import BagError
 from pack_core.packing.scene import Scene
+from pack_core.packing.seen_deviations import SeenDeviations
 from pack_core.packing.settled_sample import SettledSample
 from pack_core.rotations import Pose
 from pack_evaluation.packing.run import Iterations, Run, SeenObject, SeenScene
@@ -104,12 +105,19 @@ def _seen(given: dict[str, Any] | None) -> SeenScene | None:
     objects = {
         name: SeenObject(**{**item, "sizes": tuple(item["sizes"])}) for name, item in given["objects"].items()
     }
-    return SeenScene(Scene.from_yaml(given["scene"]), _poses(given["poses"]), objects)
+    # files from before looks told how sure they were do not have it
+    told = given.get("deviations", {})
+    deviations = {name: SeenDeviations.model_validate(item) for name, item in told.items()}
+    return SeenScene(Scene.from_yaml(given["scene"]), _poses(given["poses"]), objects, deviations)
 
 
 def _plain_seen(seen: SeenScene) -> dict[str, Any]:
     objects = {name: asdict(item) for name, item in seen.objects.items()}
-    return {"scene": seen.scene.to_yaml(), "poses": _rows(seen.poses), "objects": objects}
+    deviations = {name: item.model_dump(mode="json") for name, item in seen.deviations.items()}
+    return {
+        "scene": seen.scene.to_yaml(), "poses": _rows(seen.poses), "objects": objects,
+        "deviations": deviations,
+    }  # fmt: skip
 
 
 def _plain(sample: SettledSample) -> dict[str, Any]:

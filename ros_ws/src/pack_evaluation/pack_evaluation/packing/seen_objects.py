@@ -14,6 +14,7 @@ from pack_core.packing.convex_mesh import ConvexMesh
 from pack_core.packing.free_space import footprint
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_item import SceneItem
+from pack_core.packing.seen_deviations import SeenDeviations
 from pack_core.rotations import Array, Pose, rotate, yaw_of
 from pack_evaluation.packing.run import Run, SeenObject, SeenScene
 from pack_evaluation.track import Track
@@ -67,8 +68,9 @@ def figures(runs: Sequence[PerceptionErrors]) -> dict[str, Any]:
 
 
 def seen_objects(
-    known: Scene, estimate: Mapping[str, Pose], true: Scene, truth: Mapping[str, Pose]
-) -> SeenScene:
+    known: Scene, estimate: Mapping[str, Pose], true: Scene, truth: Mapping[str, Pose],
+    deviations: Mapping[str, SeenDeviations],
+) -> SeenScene:  # fmt: skip
     """Match what perception knows to the true objects, by their outlines.
 
     Args:
@@ -76,6 +78,7 @@ def seen_objects(
         estimate: estimated X_WO of its objects; those that were not seen are missing.
         true: the true scene.
         truth: true X_WO of its objects at the same time.
+        deviations: standard deviations that perception tells of its objects.
     """
     names = [name for name in known.names if name in estimate]
     seen = [footprint(known.model_of(name), estimate[name]) for name in names]
@@ -89,7 +92,7 @@ def seen_objects(
             sides = _sides(seen[i]) - _sides(outlines[j])
             alike = type(model) is type(item) and not isinstance(model, ConvexMesh)
             found[item.name] = SeenObject(names[i], alike, float(overlaps[i, j]), (*sides.tolist(), height))
-    return SeenScene(known, {name: estimate[name] for name in names}, found)
+    return SeenScene(known, {name: estimate[name] for name in names}, found, deviations)
 
 
 def with_true_names(run: Run, seen: SeenScene, true: Scene) -> Run:

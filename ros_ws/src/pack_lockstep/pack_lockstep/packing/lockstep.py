@@ -18,7 +18,7 @@ from pack_core.packing.goals import PackingMethod
 from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.scene import Scene
 from pack_core.packing.topics import JOINT_RATE, WRENCH_RATE
-from pack_core.rotations import Pose
+from pack_core.rotations import Array, Pose
 from pack_core.states import SceneState
 from pack_core.topics import steps_between
 from pack_evaluation.packing.run import Run, SeenScene
@@ -68,7 +68,7 @@ class LockstepCell:
 
             self._depth = DepthLink.of(description, cell, config.estimator, seed)
             self.estimator = self._depth.estimator
-        self._forces: list[float] = []
+        self._forces: list[Array] = []
         self.cameras: Callable[[MarkerFrame], MarkerFrame] = lambda frame: frame
 
     def settle(self) -> None:
@@ -86,7 +86,7 @@ class LockstepCell:
             if i % joint_steps == 0:
                 estimator.advance(simulator.joints())
             if i % wrench_steps == 0:
-                self._forces.append(float(np.linalg.norm(simulator.external_wrench()[0])))
+                self._forces.append(simulator.external_wrench()[0])
             frames = simulator.mocap.due(simulator.time)
             if self._depth is not None:
                 self._depth.step(simulator)
@@ -103,12 +103,15 @@ class LockstepCell:
     def seen(self) -> SeenScene:
         """What perception knows now, matched to what is there."""
         estimate, truth = self.estimator.state(self.estimator.time), self.simulator.truth()
-        return seen_objects(self.known_scene, estimate.poses(), self.simulator.scene, truth.poses())
+        deviations = {} if self._depth is None else self._depth.estimator.deviations
+        return seen_objects(
+            self.known_scene, estimate.poses(), self.simulator.scene, truth.poses(), deviations
+        )
 
     def observe(self) -> PackingObservation:
         """What is known now, with the forces since the last call."""
         joints: JointSample = self.simulator.joints()
-        forces, self._forces = np.array(self._forces), []
+        forces, self._forces = np.array(self._forces).reshape(-1, 3), []
         scene = self.estimator.state(joints.time)
         return PackingObservation(joints, scene, forces, self.simulator.pump.state.is_closed)
 

@@ -56,8 +56,7 @@ class Mailbox(NewestMessages):
         self._joint_stamps, self._scene_stamps = StampCheck(node), StampCheck(node)
         self._observed: JointSample | None = None
         # bounded, as nobody fetches them while no goal is pursued
-        self._forces: deque[float] = deque(maxlen=WRENCHES)
-        self._vectors: deque[Array] = deque(maxlen=WRENCHES)
+        self._forces: deque[Array] = deque(maxlen=WRENCHES)
         super().__init__(
             node,
             (
@@ -120,14 +119,6 @@ class Mailbox(NewestMessages):
         self.refresh()
         with self._lock:
             self._forces.clear()
-            self._vectors.clear()
-
-    def take_forces(self) -> Array:
-        """The forces noted since the last call `(n, 3)` [N], in the axes of `/wrench`."""
-        with self._lock:
-            forces = np.array(self._vectors).reshape(-1, 3)
-            self._vectors.clear()
-        return forces
 
     def observe(self, blind_time: float) -> PackingObservation:
         """The newest of everything, with the forces since the last call.
@@ -152,7 +143,7 @@ class Mailbox(NewestMessages):
                 f"the cameras have seen nothing for {unseen:.1f} s; allowed: {blind_time} s. The arm holds"
             )
         with self._lock:
-            forces = np.array(self._forces)
+            forces = np.array(self._forces).reshape(-1, 3)
             self._forces.clear()
         return PackingObservation(joints, scene, forces, self._is_held)
 
@@ -191,6 +182,5 @@ class Mailbox(NewestMessages):
 
     def _to_force(self, data: bytes) -> Array:
         force = self._wrench_reader.read(data)
-        self._forces.append(float(np.linalg.norm(force)))
-        self._vectors.append(force)
+        self._forces.append(force)
         return force

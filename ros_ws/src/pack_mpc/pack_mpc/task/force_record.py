@@ -23,11 +23,11 @@ class ForceRecord:
         self._filtered = 0.0
 
     def note(self, forces: Array) -> float:
-        """Note new samples `(n,)` [N], and return the largest of them after the filter; 0 without any.
+        """Note new forces `(n, 3)` [N]; the largest magnitude after the filter [N], 0 without any.
 
         The filter keeps one noisy sample from ending a goal.
         """
-        samples, peak = forces.tolist(), 0.0
+        samples, peak = np.linalg.norm(forces, axis=1).tolist(), 0.0
         self._forces.extend(samples)
         for force in samples:  # scipy.signal.lfilter would take the node a second to import
             self._filtered += GAIN * (force - self._filtered)

@@ -193,7 +193,7 @@ class PackingTask:
 
         Args:
             time: current time [s].
-            forces: magnitudes since the last call `(n,)` [N], at the rate of /wrench.
+            forces: since the last call `(n, 3)` [N], at the rate of /wrench.
         """
         peak, limit = self._forces.note(forces), self._config.force_stop
         if peak > limit:
