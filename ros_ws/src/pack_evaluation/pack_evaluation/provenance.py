@@ -32,13 +32,20 @@ def installed_versions() -> dict[str, str]:
 
 
 def checked_out_commit() -> str:
-    """The checked-out commit, `unknown` without git, marked `-dirty` when files differ from it."""
-    command = ["git", "-C", str(project_root()), "describe", "--always", "--abbrev=40", "--dirty"]
+    """The checked-out commit, `unknown` without git, marked `-dirty` when files differ from it.
+
+    Published results do not count: nothing that is measured depends on them.
+    """
     try:
-        answer = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10.0)
+        commit, changes = _git("rev-parse", "HEAD"), _git(*"status --porcelain -uno -- . :!results".split())
     except (OSError, subprocess.SubprocessError):
         return "unknown"
-    return answer.stdout.strip()
+    return f"{commit}-dirty" if changes else commit
+
+
+def _git(*arguments: str) -> str:
+    command = ["git", "-C", str(project_root()), *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=True, timeout=10.0).stdout.strip()
 
 
 def machine() -> str:
