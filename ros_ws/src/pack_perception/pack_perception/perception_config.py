@@ -91,6 +91,27 @@ class SurfaceFitConfig(Config):
     angle: PositiveFloat = Field(default=0.04, description="deviation of an expected orientation [rad]")
 
 
+class HeldFitConfig(Config):
+    """How the object on the cup is measured before a goal."""
+
+    reach: PositiveFloat = Field(
+        default=0.15, description="farthest that its sides are from the cup's axis [m]"
+    )
+    few: PositiveInt = Field(default=40, description="fewer points in 5 mm of its height are none of it")
+    most: PositiveInt = Field(default=2000, description="points of its sides that a shape is fitted to")
+    close: PositiveFloat = Field(
+        default=0.0016,
+        description="farthest that most points are off a box or a cylinder; else it is a hull [m]",
+    )
+    end: PositiveFloat = Field(default=0.0002, description="standard deviation of a side's place [m]")
+    below: PositiveFloat = Field(default=0.0004, description="standard deviation of its lower end [m]")
+    hull_end: PositiveFloat = Field(default=0.0012, description="standard deviation of a side of a hull [m]")
+    hull_below: PositiveFloat = Field(
+        default=0.004,
+        description="of a hull's lower end, whose edge may be round, so that nobody sees it [m]",
+    )
+
+
 class Objects(Enum):
     """What is known of the objects in the container before a look."""
 
@@ -107,6 +128,7 @@ class DepthConfig(Config):
     registration: RegistrationConfig = RegistrationConfig()
     look: DepthLookConfig = DepthLookConfig()
     fit: SurfaceFitConfig = SurfaceFitConfig()
+    held: HeldFitConfig = HeldFitConfig()
     every: PositiveInt = Field(default=3, description="every many pixels of a row or column one is tracked")
 
 

@@ -72,9 +72,12 @@ def _object_rows(run: Run) -> list[ObjectRow]:
 
 def _as_seen(run: Run, name: str) -> str:
     """What the look before the goal made of an object, in words; empty where it did not see it."""
-    if run.seen is None or name not in run.seen.objects:
+    if run.seen is None:
         return ""
-    item = run.seen.scene.model_of(run.seen.objects[name].name)
+    found = run.seen.held if name == run.held else run.seen.objects.get(name)
+    if found is None:
+        return ""
+    item = run.seen.scene.model_of(found.name)
     known = run.seen.deviations.get(item.name)
     sizes = " x ".join(f"{2000 * half:.0f}" for half in item.half_extents)
     return in_words(item, known) if known is not None else f"{sizes} mm"

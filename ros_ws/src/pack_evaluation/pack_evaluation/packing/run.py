@@ -76,12 +76,14 @@ class SeenScene:
         poses: X_WO of what it knew of, by its own names.
         objects: what was found, by the true object's name.
         deviations: standard deviations that perception told of what it knew, by its own names.
+        held: what was seen of the object on the cup; None in files from before it was looked at.
     """
 
     scene: Scene
     poses: Mapping[str, Pose]
     objects: Mapping[str, SeenObject]
     deviations: Mapping[str, SeenDeviations] = field(default_factory=dict)
+    held: SeenObject | None = None
 
 
 @dataclass(frozen=True)

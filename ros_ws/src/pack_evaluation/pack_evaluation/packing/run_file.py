@@ -102,13 +102,16 @@ def _run(about: dict[str, Any], arrays: Mapping[str, npt.NDArray[Any]]) -> Run:
 def _seen(given: dict[str, Any] | None) -> SeenScene | None:
     if given is None:
         return None
-    objects = {
-        name: SeenObject(**{**item, "sizes": tuple(item["sizes"])}) for name, item in given["objects"].items()
-    }
+    objects = {name: _seen_object(item) for name, item in given["objects"].items()}
     # files from before looks told how sure they were do not have it
     told = given.get("deviations", {})
     deviations = {name: SeenDeviations.model_validate(item) for name, item in told.items()}
-    return SeenScene(Scene.from_yaml(given["scene"]), _poses(given["poses"]), objects, deviations)
+    held = None if given.get("held") is None else _seen_object(given["held"])
+    return SeenScene(Scene.from_yaml(given["scene"]), _poses(given["poses"]), objects, deviations, held)
+
+
+def _seen_object(given: Mapping[str, Any]) -> SeenObject:
+    return SeenObject(**{**given, "sizes": tuple(given["sizes"])})
 
 
 def _plain_seen(seen: SeenScene) -> dict[str, Any]:
@@ -116,7 +119,7 @@ def _plain_seen(seen: SeenScene) -> dict[str, Any]:
     deviations = {name: item.model_dump(mode="json") for name, item in seen.deviations.items()}
     return {
         "scene": seen.scene.to_yaml(), "poses": _rows(seen.poses), "objects": objects,
-        "deviations": deviations,
+        "deviations": deviations, "held": None if seen.held is None else asdict(seen.held),
     }  # fmt: skip
 
 

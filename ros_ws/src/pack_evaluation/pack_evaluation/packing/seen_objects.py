@@ -34,6 +34,7 @@ class PerceptionErrors:
         positions: of all found objects over the whole goal `(n,)` [m].
         angles: of their axes and headings, less symmetries; headings of the same shapes alone `(n,)` [rad].
         sizes: of lengths and heights of what was seen before the goal `(3 found,)` [m].
+        held: the same three of the object on the cup.
     """
 
     objects: int
@@ -42,6 +43,7 @@ class PerceptionErrors:
     positions: Array
     angles: Array
     sizes: Array
+    held: tuple[Array, Array, Array]
 
     @property
     def is_right_number(self) -> bool:
@@ -61,9 +63,18 @@ def figures(runs: Sequence[PerceptionErrors]) -> dict[str, Any]:
     return {
         **{name: sum(getattr(run, name) for run in runs) for name in ("objects", "seen", "found")},
         "right_number": sum(run.is_right_number for run in runs),
-        "position_mm": quantiles(1e3 * np.concatenate([run.positions for run in runs])),
-        "angle_deg": quantiles(np.rad2deg(np.concatenate([run.angles for run in runs]))),
-        "size_mm": quantiles(1e3 * np.concatenate([run.sizes for run in runs])),
+        **_errors([(run.positions, run.angles, run.sizes) for run in runs]),
+        "held": _errors([run.held for run in runs]),
+    }
+
+
+def _errors(runs: Sequence[tuple[Array, Array, Array]]) -> dict[str, Any]:
+    """Quantiles of errors of position [m], of angle [rad] and of size [m], of all runs together."""
+    positions, angles, sizes = (np.concatenate(parts) for parts in zip(*runs, strict=True))
+    return {
+        "position_mm": quantiles(1e3 * positions),
+        "angle_deg": quantiles(np.rad2deg(angles)),
+        "size_mm": quantiles(1e3 * sizes),
     }
 
 
@@ -88,11 +99,25 @@ def seen_objects(
     for i, j in zip(*linear_sum_assignment(-overlaps.reshape(len(seen), len(outlines))), strict=True):
         if overlaps[i, j] > FOUND:
             item, model = true.objects[j], known.model_of(names[i])
-            height = 2.0 * float(model.half_extents[2] - item.half_extents[2])
-            sides = _sides(seen[i]) - _sides(outlines[j])
-            alike = type(model) is type(item) and not isinstance(model, ConvexMesh)
-            found[item.name] = SeenObject(names[i], alike, float(overlaps[i, j]), (*sides.tolist(), height))
-    return SeenScene(known, {name: estimate[name] for name in names}, found, deviations)
+            found[item.name] = _compared(model, item, seen[i], outlines[j])
+    name, held = true.new_object.name, None
+    if name == known.new_object.name and name in estimate and name in truth:
+        items = known.new_object, true.new_object
+        held = _compared(
+            *items, *(footprint(item, X[name]) for item, X in zip(items, (estimate, truth), strict=True))
+        )
+    return SeenScene(known, {name: estimate[name] for name in names}, found, deviations, held)
+
+
+def _compared(
+    model: SceneItem, item: SceneItem, seen: shapely.Polygon, outline: shapely.Polygon
+) -> SeenObject:
+    """What was seen of an object as `model`, with the outlines of both from above."""
+    height = 2.0 * float(model.half_extents[2] - item.half_extents[2])
+    sides = _sides(seen) - _sides(outline)
+    alike = type(model) is type(item) and not isinstance(model, ConvexMesh)
+    overlap = seen.intersection(outline).area / seen.union(outline).area
+    return SeenObject(model.name, alike, float(overlap), (*sides.tolist(), height))
 
 
 def with_true_names(run: Run, seen: SeenScene, true: Scene) -> Run:
@@ -110,17 +135,23 @@ def perception_errors(run: Run) -> PerceptionErrors | None:
     """The errors in a run whose objects have their true names; None with markers."""
     if (seen := run.seen) is None:
         return None
+    held = {} if seen.held is None else {run.held: seen.held}
+    return PerceptionErrors(
+        len(run.scene.objects), len(seen.poses), len(seen.objects), *_errors_of(run, seen.objects),
+        _errors_of(run, held),
+    )  # fmt: skip
+
+
+def _errors_of(run: Run, objects: Mapping[str, SeenObject]) -> tuple[Array, Array, Array]:
+    """Errors of position [m] and angle [rad] of some objects over the goal, and of size before it [m]."""
     positions, angles = [np.empty(0)], [np.empty(0)]
-    for name, item in seen.objects.items():
+    for name, item in objects.items():
         estimate = run.estimate[name].between(run.start, run.end)
         truth = run.truth[name].at(estimate.times)
         positions.append(estimate.distance_to(truth.p))
         angles.append(_angles(_symmetry(run.scene.model_of(name), item), estimate, truth))
-    sizes = np.array([item.sizes for item in seen.objects.values()]).ravel()
-    return PerceptionErrors(
-        len(run.scene.objects), len(seen.poses), len(seen.objects), np.concatenate(positions),
-        np.concatenate(angles), sizes,
-    )  # fmt: skip
+    sizes = np.array([item.sizes for item in objects.values()]).ravel()
+    return np.concatenate(positions), np.concatenate(angles), sizes
 
 
 def _sides(outline: shapely.Polygon) -> Array:

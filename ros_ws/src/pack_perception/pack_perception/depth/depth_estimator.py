@@ -1,13 +1,13 @@
 """Poses of all objects from depth images, and from simulated physics between them.
 
 At first a look finds out what is where: which of the described objects, or, where nobody described them, what
-they are. From then on each image corrects what physics predicts, as markers do: the surface of each object is
-fitted to the points that are near where it is expected.
+they are, and what hangs on the cup. From then on each image corrects what physics predicts, as markers do:
+the surface of each object is fitted to the points that are near where it is expected.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -19,7 +19,8 @@ from pack_core.packing.objects import ObjectModel
 from pack_core.packing.scene import Scene
 from pack_core.packing.seen_deviations import SeenDeviations
 from pack_core.rotations import Array, Pose
-from pack_perception.depth.look import look_at, off_container, scene_points
+from pack_perception.depth.held_fit import held_shape
+from pack_perception.depth.look import SeenShape, look_at, off_container, scene_points
 from pack_perception.depth.registration import register
 from pack_perception.depth.sight_lines import SightLines
 from pack_perception.depth.surface_fit import (
@@ -109,6 +110,7 @@ class DepthEstimator(HandOverEstimator):
             scene = self._scene.with_next(scene.new_object, keep=keep).description()
         if scene.container not in (self._told, self._placed):  # another one
             self._told = self._placed = scene.container
+        self._measures_held &= not scene.is_handed_over
         super().change_scene(scene.model_copy(update={"container": self._placed}))
         self._expect_announced()
 
@@ -128,6 +130,8 @@ class DepthEstimator(HandOverEstimator):
     def _start_over(self) -> None:
         super()._start_over()
         self._needs_look = True
+        # one that is handed over is announced with its sizes
+        self._measures_held = self._depth.objects is Objects.UNKNOWN and not self._scene.is_handed_over
         self._expect_announced()
 
     def _expect_announced(self) -> None:
@@ -147,38 +151,31 @@ class DepthEstimator(HandOverEstimator):
         self._surfaces = [ConvexSurface.of(self._scene.model_of(name)) for name in self._markers.names]
 
     def _look(self, frame: DepthFrame) -> None:
-        """Find the objects that have no pose so far."""
-        ceiling = self._ceiling(frame.time)
-        if ceiling < self._scene.container.height:  # the new object is among the others
-            return
-        if not len(scene_points([frame], self._cameras, ceiling, COARSE)):  # the cameras are covered
+        """Find the objects that have no pose so far, and what hangs on the cup if nobody measured it."""
+        X_WN = None if self._measures_held else Pose(*np.split(self._poses(frame.time)[-1], [3]))
+        if X_WN is not None and self._ceiling(self._scene, X_WN) < self._scene.container.height:
+            return  # the new object is among the others
+        if not len(scene_points([frame], self._cameras, np.inf, COARSE)):  # the cameras are covered
             return
         self._register(frame)
         if self.misplaced:
             return
-        points = scene_points([frame], self._cameras, ceiling)
-        sight = SightLines(self._cameras, frame.images)
-        is_unknown = self._depth.objects is Objects.UNKNOWN
-        there: list[ObjectModel] = []
-        if is_unknown:
-            there, points = self._remembered(points, frame.time)
+        points, scene = scene_points([frame], self._cameras, np.inf), self._scene
+        surely: dict[str, SeenDeviations] = {}
+        if X_WN is None:
+            X_WT = self._physics.cup_pose(self._history.at(frame.time))
+            held = held_shape(points, self._cameras, X_WT, scene.new_object, self._depth)
+            if held is None:
+                return
+            scene = scene.model_copy(update={"new_object": held.item}).gripped(held.X_TN)
+            X_WN, surely = X_WT @ held.X_TN, {held.item.name: held.deviations}
+            self._measures_held = False
+        points = points[points[:, 2] < self._ceiling(scene, X_WN)]
         self.looked = frame.time
-        found = look_at(points, sight, self._placed, self._depth.look, self._numbered)
-        self._numbered += len(found)
-        if is_unknown:
-            objects = [*there, *(fit.item for fit in found)]
-            self.change_scene(self._scene.model_copy(update={"objects": objects}))
-            seen_now = {fit.item.name: fit.deviations for fit in found}
-            self.deviations = {
-                item.name: known
-                for item in objects
-                if (known := {**self.deviations, **seen_now}.get(item.name)) is not None
-            }
-            where = {fit.item.name: fit.X_WO for fit in found}
+        if self._depth.objects is Objects.UNKNOWN:
+            where = self._look_for_all(points, frame, scene, surely)
         else:
-            if self._placed != self._scene.container:
-                self.change_scene(self._scene)
-            where = which_is_where(found, self._scene.objects, self._depth.fit)
+            where = self._look_for_described(points, frame)
         names = self._markers.names
         rows = np.array([i for i, n in enumerate(names) if n in where and not self._is_known[i]], dtype=int)
         seen = np.zeros((len(names), 7))
@@ -187,6 +184,40 @@ class DepthEstimator(HandOverEstimator):
         self._correct_free(rows, seen[rows], self._physics.poses()[rows], frame.time)
         self._seen[rows] = self._fitted[rows] = frame.time
         self._needs_look = not np.all(self._is_known[: len(self._scene.objects)])
+
+    def _seen_in(self, points: Array, frame: DepthFrame) -> list[SeenShape]:
+        """What points `(n, 3)` [m] of a frame are of."""
+        sight = SightLines(self._cameras, frame.images)
+        found = look_at(points, sight, self._placed, self._depth.look, self._numbered)
+        self._numbered += len(found)
+        return found
+
+    def _look_for_all(
+        self, points: Array, frame: DepthFrame, scene: Scene, surely: Mapping[str, SeenDeviations]
+    ) -> dict[str, Pose]:
+        """Take up a scene with what is in the container, remembered or new; X_WO of what is new, by name.
+
+        Args:
+            points: what was measured below the held object `(n, 3)` [m].
+            frame: the frame that they come from.
+            scene: with what hangs on the cup.
+            surely: how sure that is, where it was measured now.
+        """
+        there, rest = self._remembered(points, frame.time)
+        found = self._seen_in(rest, frame)
+        objects = [*there, *(fit.item for fit in found)]
+        known = {**self.deviations, **{fit.item.name: fit.deviations for fit in found}, **surely}
+        self.change_scene(scene.model_copy(update={"objects": objects}))
+        names = {item.name for item in (*objects, scene.new_object)}
+        self.deviations = {name: item for name, item in known.items() if name in names}
+        return {fit.item.name: fit.X_WO for fit in found}
+
+    def _look_for_described(self, points: Array, frame: DepthFrame) -> dict[str, Pose]:
+        """X_WO of the described objects that are among points `(n, 3)` [m] of a frame, by name."""
+        found = self._seen_in(points, frame)
+        if self._placed != self._scene.container:
+            self.change_scene(self._scene)
+        return which_is_where(found, self._scene.objects, self._depth.fit)
 
     def _remembered(self, points: Array, time: float) -> tuple[list[ObjectModel], Array]:
         """The objects that are known already and still there, and the points `(n, 3)` that are not of them.
@@ -198,10 +229,9 @@ class DepthEstimator(HandOverEstimator):
         is_there, rest = still_there(points, surfaces, self._poses(time)[known], self._depth.fit.reach)
         return [self._scene.objects[i] for i in known[is_there]], rest
 
-    def _ceiling(self, time: float) -> float:
-        """Height over which there is nothing at `time` [s] but the new object or the arm [m]."""
-        container, hull = self._scene.container, self._scene.new_object.hull()
-        hull = Pose(*np.split(self._poses(time)[-1], [3])).apply(hull)
+    def _ceiling(self, scene: Scene, X_WN: Pose) -> float:
+        """Height over which there is nothing but the new object, which is at X_WN, or the arm [m]."""
+        container, hull = scene.container, X_WN.apply(scene.new_object.hull())
         low, high = container.lower - BESIDE, container.upper + BESIDE
         if np.any((hull[:, :2].max(axis=0) < low) | (hull[:, :2].min(axis=0) > high)):
             return 2.0 * container.height  # the centre of what is packed is below the rim

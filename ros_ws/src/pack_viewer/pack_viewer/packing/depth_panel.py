@@ -57,7 +57,8 @@ def picture_of(depth: Array, camera: PinholeCamera, scene: Scene, poses: Mapping
 
 def sizes_of(scene: Scene, deviations: Mapping[str, SeenDeviations]) -> str:
     """A row for each object that a look saw: its size, and how sure that and its place are."""
-    seen = [(item, deviations[item.name]) for item in scene.objects if item.name in deviations]
+    items = (*scene.objects, scene.new_object)
+    seen = [(item, deviations[item.name]) for item in items if item.name in deviations]
     return facts([(item.name, in_words(item, known)) for item, known in seen]) if seen else ""
 
 
