@@ -64,6 +64,25 @@ class ShapeFitConfig(Config):
     corners: PositiveInt = Field(default=60, description="most corners of a hull")
 
 
+class SpreadConfig(Config):
+    """Standard deviations of a kind of shape where all of it was seen; the camera's noise decides them."""
+
+    end: PositiveFloat = Field(description="standard deviation of an end of its outline [m]")
+    height: PositiveFloat = Field(description="standard deviation of its height [m]")
+    turn: PositiveFloat = Field(
+        default=1.0, description="that of its heading, in parts of what its two long sides tell"
+    )
+
+
+class SpreadsConfig(Config):
+    """The same by kind of shape, as looks of the seeds for tuning have them."""
+
+    box: SpreadConfig = SpreadConfig(end=0.0008, height=0.00025, turn=0.6)
+    cylinder: SpreadConfig = SpreadConfig(end=0.001, height=0.00025)
+    capsule: SpreadConfig = SpreadConfig(end=0.0006, height=0.00025)
+    mesh: SpreadConfig = SpreadConfig(end=0.0018, height=0.0009)
+
+
 class DepthLookConfig(Config):
     """How a look finds objects."""
 
@@ -75,6 +94,17 @@ class DepthLookConfig(Config):
         description="by which two parts must overlap better with a region to be two objects",
     )
     good: float = Field(default=0.985, gt=0, le=1, description="overlap from which a region is one object")
+    on_wall: PositiveFloat = Field(
+        default=0.003, description="what is this near to the container's base or walls is a part of them [m]"
+    )
+    behind: PositiveFloat = Field(
+        default=0.005,
+        description="a pixel that measured so much more than the way to a point saw through it [m]",
+    )
+    spreads: SpreadsConfig = SpreadsConfig()
+    open_end: PositiveFloat = Field(
+        default=0.3, description="deviation of an end for each metre that the object may go on unseen [m/m]"
+    )
 
 
 class SurfaceFitConfig(Config):

@@ -14,7 +14,6 @@ from pack_core.packing.model import ArmRole, HeldRole, build_model
 from pack_core.packing.object_set import load_set
 from pack_core.packing.objects import Box, Capsule, Cylinder, ObjectModel
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
-from pack_perception.depth.deviations import OPEN, SPREADS
 from pack_perception.depth.height_map import Mask, halves, height_map, regions
 from pack_perception.depth.look import SeenShape, look_at, off_container
 from pack_perception.depth.seen_region import overlap
@@ -27,7 +26,7 @@ CONTAINER = CELL.scene.container
 CONFIG = DepthLookConfig()
 BOX = Box(name="box", mass=0.3, shape="box", size=(0.09, 0.06, 0.11))
 CAN = Cylinder(name="can", mass=0.3, shape="cylinder", radius=0.034, height=0.11)
-BLIND = SightLines(CELL.depth.cameras(), np.zeros((2, CELL.depth.height, CELL.depth.width)))
+BLIND = SightLines(CELL.depth.cameras(), np.zeros((2, CELL.depth.height, CELL.depth.width)), CONFIG.behind)
 ROLL = Capsule(name="roll", mass=0.1, shape="capsule", radius=0.02, length=0.12, axis="x")
 
 
@@ -43,7 +42,8 @@ def seen(items: Sequence[ObjectModel], places: Sequence[tuple[float, float, floa
     set_object_poses(model, data, poses)
     mujoco.mj_forward(model, data)
     cameras = CELL.depth.cameras()
-    return SightLines(cameras, np.stack([CameraRays(camera).cast(model, data).depth for camera in cameras]))
+    images = np.stack([CameraRays(camera).cast(model, data).depth for camera in cameras])
+    return SightLines(cameras, images, CONFIG.behind)
 
 
 def points_in(sight: SightLines) -> Array:
@@ -56,7 +56,7 @@ def look_without(hidden: Callable[[Array], Mask], sight: SightLines) -> list[See
     images = sight.images.copy()
     for camera, image in zip(sight.cameras, images, strict=True):
         image[image > 0.0] *= ~hidden(points_of(camera, image))
-    rest = SightLines(sight.cameras, images)
+    rest = SightLines(sight.cameras, images, CONFIG.behind)
     return sorted(look_at(points_in(rest), rest, CONTAINER, CONFIG), key=lambda fit: fit.X_WO.p[0])
 
 
@@ -241,7 +241,7 @@ def test_points_on_base_and_walls_are_left_out() -> None:
     on_base, on_wall, content = [x, y, 0.001], [inner + 0.004, y, 0.05], [x, y, 0.05]
     over_wall, outside = [inner + 0.004, y, CONTAINER.height + 0.02], [inner + 0.1, y, 0.05]
     points = np.array([on_base, on_wall, content, over_wall, outside])
-    assert off_container(points, CONTAINER).tolist() == [content, over_wall, outside]
+    assert off_container(points, CONTAINER, CONFIG.on_wall).tolist() == [content, over_wall, outside]
 
 
 def test_a_convex_region_is_not_halved() -> None:
@@ -278,9 +278,9 @@ def test_an_end_that_nobody_saw_is_told_to_be_less_sure() -> None:
     (whole,) = look_without(lambda points: np.zeros(len(points), dtype=bool), sight)
     (cut,) = look_without(lambda points: points[:, 0] > 0.53, sight)
     length, width, height = whole.deviations.size
-    assert (length, width) == pytest.approx((np.sqrt(2.0) * SPREADS["box"].end,) * 2, abs=0.0005)
-    assert height == SPREADS["box"].height
+    assert (length, width) == pytest.approx((np.sqrt(2.0) * CONFIG.spreads.box.end,) * 2, abs=0.0005)
+    assert height == CONFIG.spreads.box.height
     # it ends at the wall at the latest, 0.105 m behind where it was seen to; sight lines end it before
-    assert 4.0 * length < cut.deviations.size[0] < OPEN * 0.105
+    assert 4.0 * length < cut.deviations.size[0] < CONFIG.open_end * 0.105
     assert cut.deviations.position[0] == pytest.approx(0.5 * cut.deviations.size[0])
     assert cut.deviations.size[1] == pytest.approx(width, abs=0.0005)

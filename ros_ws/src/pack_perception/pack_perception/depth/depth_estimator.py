@@ -187,7 +187,7 @@ class DepthEstimator(HandOverEstimator):
 
     def _seen_in(self, points: Array, frame: DepthFrame) -> list[SeenShape]:
         """What points `(n, 3)` [m] of a frame are of."""
-        sight = SightLines(self._cameras, frame.images)
+        sight = SightLines(self._cameras, frame.images, self._depth.look.behind)
         found = look_at(points, sight, self._placed, self._depth.look, self._numbered)
         self._numbered += len(found)
         return found
@@ -275,7 +275,7 @@ class DepthEstimator(HandOverEstimator):
         known[self._held] |= self._held >= 0
         rows = np.flatnonzero(known)
         points = scene_points([frame], self._cameras, np.inf, self._depth.every)
-        points = off_container(points, self._scene.container)
+        points = off_container(points, self._scene.container, self._depth.look.on_wall)
         parts = assigned(points, [self._surfaces[i] for i in rows], expected[rows], config.reach)
         seen, fitted = expected.copy(), []
         for i, part in zip(rows, parts, strict=True):

@@ -7,8 +7,6 @@ Length and middle follow from both ends, the heading from the two long sides.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import shapely
 
@@ -18,6 +16,7 @@ from pack_core.packing.seen_deviations import SeenDeviations
 from pack_core.rotations import Array, yaw_of
 from pack_perception.depth.height_map import HeightMap, Mask
 from pack_perception.depth.shape_fit import FittedShape
+from pack_perception.perception_config import DepthLookConfig, SpreadConfig
 
 LINES = np.array([0.15, 0.325, 0.5, 0.675, 0.85])
 """Where lines leave an outline to find what is beyond it, in parts of its width."""
@@ -25,41 +24,19 @@ CLOSED = 0.75
 """Share of the lines by which what is beyond an end is judged: a corner alone may be hidden."""
 FIRST, STEPS = 1.5, 60
 """Where a line begins behind the outline, and how far it is followed [cells]."""
-OPEN = 0.3
-"""Deviation of an end for each metre that it may go on [m/m]."""
 LEVELS = (0.5, 0.75, 0.95)
 """Heights at which a camera that saw through tells where an upright object ends, in parts of its own."""
 
 
-@dataclass(frozen=True)
-class ShapeSpread:
-    """Deviations of a kind of shape where all of it was seen, as looks of the seeds for tuning have them.
-
-    Attributes:
-        end: of an end of the outline [m].
-        height: of the height [m].
-        turn: of the heading, in parts of what the two long sides tell.
-    """
-
-    end: float
-    height: float
-    turn: float = 1.0
-
-
-SPREADS = {
-    "box": ShapeSpread(0.0008, 0.00025, 0.6), "cylinder": ShapeSpread(0.001, 0.00025),
-    "capsule": ShapeSpread(0.0006, 0.00025), "mesh": ShapeSpread(0.0018, 0.0009),
-}  # fmt: skip
-
-
-def deviations_of(fit: FittedShape, heights: HeightMap) -> SeenDeviations:
+def deviations_of(fit: FittedShape, heights: HeightMap, config: DepthLookConfig) -> SeenDeviations:
     """Standard deviations of the place, the size and the heading of what was seen."""
-    spread, yaw = SPREADS[fit.item.shape], yaw_of(fit.X_WO.q)
+    spread: SpreadConfig = getattr(config.spreads, fit.item.shape)
+    yaw = yaw_of(fit.X_WO.q)
     outline = footprint(fit.item, fit.X_WO)
     own = shapely.contains_xy(outline.buffer(FIRST * heights.cell), heights.centres())
     corners, mask = shapely.get_coordinates(outline), own.reshape(heights.tops.shape)
     gaps = np.array([_gap(fit, corners, mask, yaw + 0.5 * np.pi * k, heights) for k in range(4)])
-    ends = np.hypot(spread.end, OPEN * gaps)
+    ends = np.hypot(spread.end, config.open_end * gaps)
     # the ends along x are the first and the third, those along y the second and the fourth
     length, width = np.hypot(ends[:2], ends[2:])
     position, size = (0.5 * length, 0.5 * width, 0.5 * spread.height), (length, width, spread.height)

@@ -36,9 +36,6 @@ from pack_perception.perception_config import DepthLookConfig
 GAP = 7
 """Size of the square by which a top is widened to meet another one across a gap of unseen cells [cells]."""
 
-
-ON_WALL = 0.003
-"""What is so near to the container's base or walls is a part of them [m]."""
 AXIS_SHARE = 0.7
 """Share of a capsule's radius beside its axis in which it is looked for behind a gap."""
 UNLIKELY_GAIN = 0.02
@@ -66,18 +63,18 @@ def scene_points(
     return points[(points[:, 2] > -0.01) & (points[:, 2] < ceiling)]
 
 
-def off_container(points: Array, container: Container) -> Array:
-    """Those of `points` `(n, 3)` [m] that are on neither the base nor the walls."""
+def off_container(points: Array, container: Container, on_wall: float) -> Array:
+    """Those of `points` `(n, 3)` [m] that are farther than `on_wall` [m] from the base and the walls."""
     (x0, y0), (x1, y1), t = (
-        container.lower + ON_WALL,
-        container.upper - ON_WALL,
-        container.wall + 2.0 * ON_WALL,
+        container.lower + on_wall,
+        container.upper - on_wall,
+        container.wall + 2.0 * on_wall,
     )
     x, y, z = points.T
     is_between = (x > x0) & (x < x1) & (y > y0) & (y < y1)
     is_beside = (x < x0 - t) | (x > x1 + t) | (y < y0 - t) | (y > y1 + t)
-    is_above = z > container.height + ON_WALL
-    return np.asarray(points[(z > ON_WALL) & (is_between | is_beside | is_above)])
+    is_above = z > container.height + on_wall
+    return np.asarray(points[(z > on_wall) & (is_between | is_beside | is_above)])
 
 
 def look_at(
@@ -109,12 +106,12 @@ def look_at(
                 outline = footprint(longer.item, longer.X_WO).buffer(heights.cell)
                 taken |= shapely.contains_xy(outline, heights.centres()).reshape(taken.shape)
             found.append(longer)
-    return [_named(f, f"seen_{i}", heights) for i, f in enumerate(found, before + 1)]
+    return [_named(f, f"seen_{i}", heights, config) for i, f in enumerate(found, before + 1)]
 
 
-def _named(fit: FittedShape, name: str, heights: HeightMap) -> SeenShape:
+def _named(fit: FittedShape, name: str, heights: HeightMap, config: DepthLookConfig) -> SeenShape:
     item = fit.item.model_copy(update={"name": name, "colour": colour_of(name)})
-    return SeenShape(item, fit.X_WO, fit.score, fit.points, deviations_of(fit, heights))
+    return SeenShape(item, fit.X_WO, fit.score, fit.points, deviations_of(fit, heights, config))
 
 
 def _joined(masks: list[Mask], heights: HeightMap, config: DepthLookConfig) -> list[Mask]:

@@ -11,8 +11,6 @@ import numpy.typing as npt
 from pack_core.camera import PinholeCamera
 from pack_core.rotations import Array
 
-BEHIND = 0.005
-"""What a pixel measured is so much farther away than a point that it saw through [m]."""
 FACING = 0.2
 """Least cosine between a side and the direction to a camera that sees it; behind others points fly."""
 
@@ -24,10 +22,12 @@ class SightLines:
     Attributes:
         cameras: where they hang.
         images: depth along their optical axes `(cameras, height, width)` [m]; 0 where nothing was measured.
+        behind: what a pixel measured is so much farther away than a point that it saw through [m].
     """
 
     cameras: Sequence[PinholeCamera]
     images: Array
+    behind: float
 
     def is_free(self, points: Array) -> npt.NDArray[np.bool_]:
         """Which of `points` `(n, 3)` [m] a camera saw through `(n,)`."""
@@ -36,7 +36,7 @@ class SightLines:
             p_C = camera.X_WC.inverse().apply(points)
             u, v = np.rint(camera.f * p_C[:, :2] / p_C[:, 2:] + camera.c).astype(int).T
             inside = (u >= 0) & (u < camera.width) & (v >= 0) & (v < camera.height)
-            free[inside] |= image[v[inside], u[inside]] > p_C[inside, 2] + BEHIND
+            free[inside] |= image[v[inside], u[inside]] > p_C[inside, 2] + self.behind
         return free
 
     def sees(self, p: Array, normal: Array) -> bool:
