@@ -80,3 +80,11 @@ def test_an_empty_hand_weighs_nothing() -> None:
     for sample in motion(0.4, 0.0, CarriedLoad(CELL), FRICTION * LIMITS.effort):
         scale.note(sample)
     assert scale.mass == pytest.approx(0.0, abs=0.02)
+
+
+def test_samples_that_come_seldom_weigh_nothing() -> None:
+    scale, load = HandScale(CELL), CarriedLoad(CELL)
+    scale.put_on(np.array(DIMS), X_TB)
+    for sample in list(motion(2.0, 0.0, load, FRICTION * LIMITS.effort))[::10]:
+        scale.note(sample)
+    assert scale.mass is None

@@ -37,10 +37,8 @@ def checked_out_commit() -> str:
     Published results do not count: nothing that is measured depends on them.
     """
     try:
-        commit, changes = (
-            _git("rev-parse", "HEAD"),
-            _git("status", "--porcelain", "-uno", "--", ".", ":!results"),
-        )
+        commit = _git("rev-parse", "HEAD")
+        changes = _git("status", "--porcelain", "--untracked-files=no", "--", ".", ":!results")
     except (OSError, subprocess.SubprocessError):
         return "unknown"
     return f"{commit}-dirty" if changes else commit

@@ -25,8 +25,9 @@ from pack_core.rotations import Array, Pose
 
 STEP = 0.015
 """Least time between two samples that are used [s]: accelerations are differences of their speeds."""
-GAP = 0.1
-"""Samples that are farther apart are no neighbours [s]: too much may happen between them."""
+GAP = 0.03
+"""Samples that are farther apart are no neighbours [s]: an arm that brakes for late setpoints and goes on
+accelerates by nothing on average, but its torques are those of the brake."""
 MOVING = 0.01
 """A joint that is slower may stand, and friction that holds it has any value [rad/s]."""
 STEADY = 0.15

@@ -142,7 +142,7 @@ def benchmark(
         str | None,
         typer.Option(help="What beam's plans have least of: actions, or paper (Eq. 1). Default: configured."),
     ] = None,
-    budget: Annotated[float, typer.Option(min=0.01, help="Wall clock that a plan may take [s].")] = 1.0,
+    budget: Annotated[float, typer.Option(min=0.01, help="Processor time that a plan may take [s].")] = 1.0,
     execute: Annotated[
         bool, typer.Option("--execute", help="Have the simulated arm carry out every plan.")
     ] = False,
