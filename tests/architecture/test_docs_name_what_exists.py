@@ -108,15 +108,10 @@ def wrong_executable(arguments: list[str]) -> str:
 
 
 @pytest.mark.parametrize("words", COMMANDS)
-def test_every_command_shows_its_help(words: str) -> None:
-    outcome = CliRunner().invoke(app, [*words.split(), "--help"])
+def test_every_command_shows_its_help_and_on_80_columns_it_cuts_no_word(words: str) -> None:
+    outcome = CliRunner().invoke(app, [*words.split(), "--help"], env={"COLUMNS": "80"})
     assert outcome.exit_code == 0, outcome.output
     assert "Usage: " in outcome.output
-
-
-@pytest.mark.parametrize("words", COMMANDS)
-def test_help_on_80_columns_cuts_no_word(words: str) -> None:
-    outcome = CliRunner().invoke(app, [*words.split(), "--help"], env={"COLUMNS": "80"})
     assert [line for line in outcome.output.splitlines() if "…" in line] == []
 
 

@@ -11,8 +11,11 @@ from pydantic import ValidationError
 
 from pack_core.motion.world import Obstacle
 from pack_core.palletizing.cell import PALLET, palletizing_cell
+from pack_core.palletizing.orders.order import Order
+from pack_core.palletizing.orders.order_file import load_order
 from pack_core.palletizing.ports import PalletObservation, ScanPlace
 from pack_core.palletizing.scanner import PlaceScan
+from pack_core.paths import config_path
 from pack_core.rotations import Pose, from_yaw, multiply
 from pallet_fsm.order_book import OrderBook
 from pallet_fsm.palletizer import Palletizer
@@ -30,16 +33,18 @@ from unit.pallet_fsm.whole_orders import given_order, plan_as_given
 CELL = palletizing_cell()
 SCANS = ScanConfig(near=10.0)
 """The fake arm leaps from one way-point to the next: it is looked past from wherever it hides nothing."""
+PLAIN = given_order(3)
+OVER_TABLE_B = load_order(config_path("scenarios", "palletizing", "by_hand.json"))
+"""Its first box is stood up on table B, its second one stands on that."""
 STRANGER = (0.2, 0.2, 0.15)
 Hand = Callable[[FakeCell, str], None]
 
 
 def built(
-    number: int, hand: Hand | None = None, moment: tuple[int, State] = (0, State.DONE),
+    order: Order, hand: Hand | None = None, moment: tuple[int, State] = (0, State.DONE),
     faults: Faults | None = None, profile: str = "blended",
 ) -> tuple[OrderReport, FakeCell, list[str]]:  # fmt: skip
     """An order with scans, a hand that reaches in once in a state of the n-th box, and the places scanned."""
-    order = given_order(number)
     name = order.boxes[moment[0]].id
     cell, scanned = FakeCell(order, faults or Faults()), list[str]()
     machine = Palletizer(
@@ -77,9 +82,9 @@ def put_on(place: str) -> Hand:
     return put
 
 
-@pytest.mark.parametrize("number", [3, 16])
-def test_an_order_that_nobody_reaches_into_is_built_and_watched(number: int) -> None:
-    report, _, scanned = built(number)
+@pytest.mark.parametrize("order", [PLAIN, OVER_TABLE_B], ids=["plain", "over table B"])
+def test_an_order_that_nobody_reaches_into_is_built_and_watched(order: Order) -> None:
+    report, _, scanned = built(order)
     assert report.is_complete
     assert not report.faults
     assert scanned.count(PALLET) > len(report.boxes)
@@ -87,7 +92,7 @@ def test_an_order_that_nobody_reaches_into_is_built_and_watched(number: int) -> 
 
 @pytest.mark.parametrize(("hand", "words"), [(take, "is gone"), (turn, "17.")])
 def test_a_box_that_leaves_its_place_on_the_pallet_ends_the_order_and_is_lost(hand: Hand, words: str) -> None:
-    report, cell, _ = built(3, hand, (0, State.RETREAT))
+    report, cell, _ = built(PLAIN, hand, (0, State.RETREAT))
     first, second = report.boxes
     assert [visit.state for visit in report.faults] == [State.PLACE_CHANGED]
     assert report.reason.startswith(f"seen on the pallet: box {first.name} ")
@@ -100,8 +105,9 @@ def test_a_box_that_leaves_its_place_on_the_pallet_ends_the_order_and_is_lost(ha
 def test_a_box_that_does_not_stay_on_table_b_is_skipped_with_what_would_stand_on_it(
     hand: Hand, words: str
 ) -> None:
-    report, cell, scanned = built(16, hand, (1, State.STEP_BACK), profile="thesis")
-    skipped = next(box for box in report.boxes if box.outcome is BoxOutcome.SKIPPED)
+    report, cell, scanned = built(OVER_TABLE_B, hand, (0, State.STEP_BACK), profile="thesis")
+    skipped, upper = report.boxes
+    assert (skipped.outcome, upper.outcome) == (BoxOutcome.SKIPPED, BoxOutcome.SKIPPED)
     assert words in skipped.reason
     assert "seen on table B" in skipped.reason
     assert skipped.name not in cell.boxes
@@ -110,26 +116,27 @@ def test_a_box_that_does_not_stay_on_table_b_is_skipped_with_what_would_stand_on
 
 
 @pytest.mark.parametrize(
-    ("number", "place", "where"), [(3, PALLET, "the pallet"), (16, "reorientation_table", "table B")]
+    ("order", "place", "where"),
+    [(PLAIN, PALLET, "the pallet"), (OVER_TABLE_B, "reorientation_table", "table B")],
+    ids=["pallet", "table B"],
 )
 def test_a_stranger_where_the_carried_box_is_to_stand_stops_the_arm_before_it_is_there(
-    number: int, place: str, where: str
+    order: Order, place: str, where: str
 ) -> None:
-    box = 1 if number == 16 else 0
-    report, cell, _ = built(number, put_on(place), (box, State.SAFE_PICK), profile="thesis")
+    report, cell, _ = built(order, put_on(place), (0, State.SAFE_PICK), profile="thesis")
     assert report.reason.startswith(f"seen on {where}: something of 0.")
-    assert report.boxes[box].outcome is BoxOutcome.PENDING
-    assert cell.grip.held == report.boxes[box].name
+    assert report.boxes[0].outcome is BoxOutcome.PENDING
+    assert cell.grip.held == report.boxes[0].name
 
 
 def test_a_scanner_that_never_answers_is_named() -> None:
-    report, _, _ = built(3, faults=Faults(mute=frozenset({"scanner"})))
+    report, _, _ = built(PLAIN, faults=Faults(mute=frozenset({"scanner"})))
     assert report.reason == "the scanner over the pallet does not answer"
 
 
 def looking(tool_y: float, measured: float = 1.0, scans: tuple[PlaceScan, ...] = ()) -> PalletObservation:
     """What is known with the tool this far from the pallet's middle, measured at this time [s]."""
-    cell = FakeCell(given_order(3), X_WT=Pose(np.array([-0.5, tool_y, 1.5]), LOOKING_DOWN))
+    cell = FakeCell(PLAIN, X_WT=Pose(np.array([-0.5, tool_y, 1.5]), LOOKING_DOWN))
     seen = cell.observe()
     return replace(seen, time=measured, motion=replace(seen.motion, time=measured), scans=scans)
 

@@ -11,6 +11,8 @@ from pack_planner.rearrangement.methods import RearrangementConfig
 from pack_planner.rearrangement.planning import plan
 
 SEEDS = range(1000, 1012)
+VERIFIED = SEEDS[:4]
+"""Whose plans are verified, which takes three times as long as planning."""
 GOALS = [make_instance(9, 0.2, seed).goals for seed in SEEDS]
 
 
@@ -21,7 +23,8 @@ def plans(planner: PirsPlanner) -> list[Plan]:
         problem = make_instance(9, 0.2, seed)
         found.append(plan(problem, method="pirs", budget_s=60.0, seed=seed, config=config))
         assert found[-1].is_solved
-        assert verify(problem, found[-1]) == []
+        if seed in VERIFIED:
+            assert verify(problem, found[-1]) == []
     return found
 
 

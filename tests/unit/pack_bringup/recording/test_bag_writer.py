@@ -124,7 +124,7 @@ def test_what_is_kept_in_memory_of_a_finished_file_is_little(tmp_path: Path) -> 
     tracemalloc.start()
     try:
         first = kept_after(2)
-        assert kept_after(4) - first < 4 * 4000
+        assert kept_after(2) - first < 2 * 4000
     finally:
         tracemalloc.stop()
         writer.close()

@@ -1,5 +1,7 @@
 """Where one action can bring a block: the hole of a grid is reached by a push, not by a grasp."""
 
+from pathlib import Path
+
 import matplotlib.image
 import numpy as np
 import pytest
@@ -50,11 +52,21 @@ def test_a_block_that_cannot_be_grasped_has_no_reach() -> None:
     assert carry_reach(problem, problem.starts, "a").is_empty
 
 
-@pytest.mark.parametrize("has_push", [True, False])
-def test_a_plan_s_picture_has_three_panels(has_push: bool, tmp_path) -> None:
-    problem = with_block_b_at(200.0, -150.0)
+def a_plan(problem: Problem, *, has_push: bool) -> Plan:
+    """Brings block b home in two actions."""
     start, before, home = problem.starts["b"], PlanarPose(0.0528, -0.08), problem.goals["b"]
     last = Push("b", before, home) if has_push else PickPlace("b", before, home, 0)
-    made = Plan(PlanStatus.FEASIBLE, (PickPlace("b", start, before, 0), last))
-    assert [axes.get_title()[:1] for axes in draw_reach(problem, made).axes] == ["b"] * 3
-    assert matplotlib.image.imread(write_reach(problem, made, tmp_path / "reach.png")).std() > 0.0
+    return Plan(PlanStatus.FEASIBLE, (PickPlace("b", start, before, 0), last))
+
+
+@pytest.mark.parametrize("has_push", [True, False])
+def test_a_plan_s_picture_has_three_panels(has_push: bool) -> None:
+    problem = with_block_b_at(200.0, -150.0)
+    figure = draw_reach(problem, a_plan(problem, has_push=has_push))
+    assert [axes.get_title()[:1] for axes in figure.axes] == ["b"] * 3
+
+
+def test_a_plan_s_picture_is_written(tmp_path: Path) -> None:
+    problem = with_block_b_at(200.0, -150.0)
+    path = write_reach(problem, a_plan(problem, has_push=True), tmp_path / "reach.png")
+    assert matplotlib.image.imread(path).std() > 0.0

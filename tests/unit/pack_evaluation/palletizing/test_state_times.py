@@ -66,7 +66,6 @@ def test_errors_at_way_points_are_summed_up_and_older_trials_have_none() -> None
 def test_the_bars_of_states_and_the_plot_of_visitors_are_written(tmp_path: Path) -> None:
     names = {path.stem for path in write_plots(a_run(visitors={"person": NEAR}), tmp_path)}
     assert {"states", "visitors"} <= names
-    assert "visitors" not in {path.stem for path in write_plots(RUN, tmp_path)}
 
 
 def test_an_orders_picture_shows_wrong_boxes_in_red_and_every_reason() -> None:

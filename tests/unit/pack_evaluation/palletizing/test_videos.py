@@ -78,6 +78,7 @@ def test_the_force_grows_with_time_and_its_beginning_is_marked_at_the_end() -> N
 
 def test_a_calibration_is_filmed_to_its_result(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(calibration_video, "END", 0.2)
+    monkeypatch.setattr(calibration_video, "SPEED", 20.0)
     monkeypatch.setattr(calibration_video, "CellView", WITHOUT_SHADOWS)
     done: list[float] = []
     write_calibration_video(a_film(), tmp_path / "calibration.mp4", done.append)
@@ -91,12 +92,12 @@ def test_an_order_is_filmed_with_its_states_from_its_first_moment_to_its_last(
 ) -> None:
     monkeypatch.setattr(video, "CellView", WITHOUT_SHADOWS)
     tool = a_run().tool
-    first = {name: value[:15] for name, value in vars(tool).items() if value is not None}
+    first = {name: value[:8] for name, value in vars(tool).items() if value is not None}
     run = a_run(tool=replace(tool, **first))
     write_video(run, tmp_path / "run.mp4")
     frames = imageio_ffmpeg.read_frames(tmp_path / "run.mp4")
     assert next(frames)["size"] == (WIDTH, HEIGHT)
     pictures = [np.frombuffer(frame, dtype=np.uint8).reshape(HEIGHT, WIDTH, 3) for frame in frames]
-    assert len(pictures) == int(np.ceil(tool.times[14] * FPS / SPEED))
+    assert len(pictures) == int(np.ceil(tool.times[7] * FPS / SPEED))
     pill = pictures[0][-25:-15, 30:40].astype(int)
     assert np.abs(pill - np.array([0x4C, 0x78, 0xA8])).max() < 40

@@ -56,7 +56,7 @@ def test_references_keep_every_joint_limit_and_end_at_the_goal(
 
 
 @given(place=places)
-@settings(max_examples=15)
+@settings(max_examples=6)
 def test_pose_moves_in_slow_keep_the_tool_slow(arm: MotionArm, place: tuple[float, ...]) -> None:
     goal = pose(*place)
     plan = planned(arm, PoseMove(goal, mode=Mode.SLOW))

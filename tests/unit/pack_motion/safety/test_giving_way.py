@@ -74,7 +74,7 @@ def test_who_runs_at_the_arm_does_not_reach_it_before_it_stands(
     loop.controller.command(MotionTarget(1, Path((PoseMove(OVER), PoseMove(BESIDE))), carried=BOX))
     p = OVER.p[:2] + far * np.array([np.cos(bearing), np.sin(bearing)])
     track, least = [p], np.inf
-    while loop.time < 5.0:
+    while np.linalg.norm(OVER.p[:2] - p) > PERIOD * v:
         p = p + PERIOD * v * (OVER.p[:2] - p) / max(float(np.linalg.norm(OVER.p[:2] - p)), 1e-6)
         track.append(p)
         before = track[max(len(track) - 1 - int(age / PERIOD), 0)]

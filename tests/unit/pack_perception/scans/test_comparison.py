@@ -42,7 +42,7 @@ def compared(scan: PlaceScan, expected: Sequence[Obstacle]) -> tuple[Finding, ..
 
 
 @given(seed=seeds, x=st.floats(-0.4, 0.4), y=st.floats(0.3, 0.7), edge=st.floats(0.1, 0.5))
-@settings(max_examples=25)
+@settings(max_examples=15)
 def test_a_box_in_its_place_is_never_called_moved(seed: int, x: float, y: float, edge: float) -> None:
     box = box_on(LEVEL, x, y, (edge, 0.15, 0.2))
     assert findings([box], [moved(box, 0.002, -0.002, 0.2)], seed) == ()
@@ -51,7 +51,7 @@ def test_a_box_in_its_place_is_never_called_moved(seed: int, x: float, y: float,
 @given(
     seed=seeds, angle=st.floats(0.0, 2 * np.pi), way=st.floats(0.015, 0.1), box=st.sampled_from([BOX, SMALL])
 )
-@settings(max_examples=25)
+@settings(max_examples=15)
 def test_a_shift_of_15_mm_or_more_is_measured_within_3_mm(
     seed: int, angle: float, way: float, box: Obstacle
 ) -> None:
@@ -63,7 +63,7 @@ def test_a_shift_of_15_mm_or_more_is_measured_within_3_mm(
 
 
 @given(seed=seeds, turn=st.floats(4.0, 30.0), sign=st.sampled_from([-1, 1]))
-@settings(max_examples=25)
+@settings(max_examples=15)
 def test_a_turn_of_a_few_degrees_is_measured_within_one(seed: int, turn: float, sign: int) -> None:
     (finding,) = findings([BOX], [moved(BOX, turn_deg=sign * turn)], seed)
     assert finding.oddity is Oddity.MOVED

@@ -13,7 +13,7 @@ from unit.pack_perception.tags.scenes import CELL, photograph, scattered
 
 TAGS = {f"b{number}": number for number in range(9)}
 CAMERA = CELL.camera.pinhole
-SCENES = 8
+SCENES = 4
 
 
 @pytest.fixture(scope="module")

@@ -136,7 +136,8 @@ def test_a_full_container_has_no_feasible_placement_and_says_why(empty: Scene, s
 
 
 def test_places_tried_before_are_left_out(example: Scene, state_of: StateOf) -> None:
-    planner = LeastDisturbancePlanner(example, packing_cell(), QUICK)
+    few_rounds = QUICK.model_copy(update={"approach": ApproachConfig(rounds=2)})
+    planner = LeastDisturbancePlanner(example, packing_cell(), few_rounds)
     tried: list[np.ndarray] = []
     for _ in range(3):
         placement = planner.plan(state_of(example), np.random.default_rng(0), avoid=tried, avoid_radius=0.03)

@@ -13,7 +13,7 @@ from pack_core.rotations import Pose, rotate
 from pack_lockstep.packing.lockstep_config import load_preset
 from pack_sim.packing.scene_generator import generate_scene
 
-SEEDS = range(4)
+SEEDS = range(3)
 
 
 @pytest.fixture(scope="module")

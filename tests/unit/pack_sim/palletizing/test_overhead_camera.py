@@ -61,10 +61,10 @@ def test_a_picture_in_strips_is_the_whole_picture(pictures: tuple[Picture, Pictu
 
 
 def test_the_last_strip_may_overlap_the_one_before() -> None:
-    config = PalletCameraConfig(width=1000)
+    config = PalletCameraConfig(width=1000, shadows=False)
     camera = camera_of(palletizing_cell(), config)
     assert camera.height % STRIP_ROWS
-    with CellView(palletizing_cell(), camera.width, camera.height) as view:
+    with CellView(palletizing_cell(), camera.width, camera.height, shadows=False) as view:
         whole = view.picture(np.array(palletizing_cell().arm.home), {BOX: X_WB}, camera)
     with PalletCamera(palletizing_cell(), config) as cut:
         assert (whole != cut.picture(seen({BOX: X_WB}))).any(axis=2).mean() < 1e-4
@@ -110,7 +110,7 @@ def test_a_scaled_camera_sees_the_same_with_other_pixels() -> None:
 def test_one_picture_at_a_time_is_taken_and_delivered_with_its_time() -> None:
     taken: queue.Queue[tuple[float, Picture]] = queue.Queue()
     errors: list[str] = []
-    camera = PalletCamera(palletizing_cell(), CONFIG)
+    camera = PalletCamera(palletizing_cell(), CONFIG.model_copy(update={"shadows": False}))
     thread = CameraThread(camera, lambda *args: taken.put(args), errors.append)
     assert thread.expose(1.5, seen({BOX: X_WB}))
     assert not thread.expose(1.5, seen({}))
