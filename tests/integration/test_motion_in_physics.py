@@ -57,7 +57,7 @@ class Physics:
         simulator.accept(Setpoints(simulator.time, np.array([0.0, PERIOD]), *rows[:2], a=rows[2]))
         for _ in range(STEPS):
             simulator.step()
-            self._compare()
+        self._compare()
 
     def _compare(self) -> None:
         told, is_at = self.simulator.reference()[0], self.simulator.joints().q

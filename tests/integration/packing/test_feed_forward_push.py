@@ -26,9 +26,10 @@ def push(simulator: Simulator) -> float:
 
 
 def mean_push(*, states_torque: bool) -> float:
-    """Mean push [N] of the last of four seconds in which the arm is sent 5 cm below the tallest object's top.
+    """Mean push [N] in the last of three seconds.
 
-    The cell is planned for in every cycle. Without `states_torque` the plans go out with their torques zero.
+    The arm is sent 5 cm below the top of the tallest object, and the cell is planned for in every cycle.
+    Without `states_torque` the plans go out with their torques zero.
     """
     cell = packing_cell()
     simulator = Simulator(cell, generate_scene(3, cell), SimulatorConfig(), np.random.default_rng(0))
@@ -39,7 +40,7 @@ def mean_push(*, states_torque: bool) -> float:
     residuals = Residuals(optimizer.plant, weights, target)
     cost = PackingCost(residuals, weights.of(Stage.PRE_PACK), weights.torque)
     pushes = []
-    for _ in range(round(4.0 / PERIOD)):
+    for _ in range(round(3.0 / PERIOD)):
         x0 = optimizer.plant.state(simulator.joints(), simulator.truth())
         plan = optimizer.improve(x0, cost, Stage.PRE_PACK, target).setpoints
         simulator.accept(plan if states_torque else replace(plan, tau=np.zeros_like(plan.tau)))

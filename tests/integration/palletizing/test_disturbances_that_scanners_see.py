@@ -27,6 +27,7 @@ def test_a_box_that_leaves_its_place_on_the_pallet_stops_the_arm_with_an_empty_h
     assert report.touches == 0
 
 
+@pytest.mark.long  # table B is scanned in physics below, and what is then done is tested without physics
 @pytest.mark.timeout(300)
 def test_a_box_that_does_not_stay_on_table_b_is_skipped_with_what_would_stand_on_it() -> None:
     report = after("box turned by 20 degrees", "above table")

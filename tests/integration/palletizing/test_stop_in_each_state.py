@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -17,7 +19,9 @@ from pallet_fsm.states import State
 WHO = "the test's emergency stop"
 MOVING = 0.05
 """Speed of a joint from which on the arm moves [rad/s]."""
-PLAIN, OVER_TABLE_B = "order_03", "order_16"
+PLAIN = config_path("orders", "order_03.json")
+OVER_TABLE_B = config_path("scenarios", "palletizing", "by_hand.json")
+"""Its first box is stood up on table B."""
 GROUPS = [
     (PLAIN, State.ABOVE_BOX, False), (PLAIN, State.GRASP, None), (PLAIN, State.ABOVE_PALLET, True),
     (PLAIN, State.PRE_DEPOSIT, True), (PLAIN, State.DEPOSIT, None), (PLAIN, State.RETREAT, False),
@@ -27,9 +31,8 @@ GROUPS = [
 """Order, state, and whether a box is held in it; None: the gripper is at work, and the arm may stand."""
 
 
-def lockstep(order_name: str) -> PalletLockstep:
-    setup = set_up(vision=False)
-    order = load_order(config_path("orders", f"{order_name}.json"))
+def lockstep(path: Path) -> PalletLockstep:
+    setup, order = set_up(vision=False), load_order(path)
     return PalletLockstep(setup.cell, order, plan_order(order, setup.layout), setup.config, seed=0)
 
 
@@ -37,7 +40,7 @@ def lockstep(order_name: str) -> PalletLockstep:
     ("order", "state", "is_held"), GROUPS, ids=[state.name.lower() for _, state, _ in GROUPS]
 )
 def test_a_stopped_arm_stands_keeps_its_box_and_begins_anew_where_it_is(
-    order: str, state: State, is_held: bool | None
+    order: Path, state: State, is_held: bool | None
 ) -> None:
     cell = lockstep(order)
     stepped, gripper = cell.stepped, cell.simulator.gripper
