@@ -144,3 +144,12 @@ def test_a_place_that_is_not_allowed_is_passed_over_for_the_next_best() -> None:
     assert other is not None
     assert other.cost >= best.cost
     assert best_place(one, turns["a"], empty_stack(), AREA, CONFIG, lambda entry: False) is None
+
+
+def test_a_box_on_which_nothing_may_stand_goes_up() -> None:
+    boxes = tuple(item(name, 0.4, 0.3, 0.2, this_side_up=True) for name in ("a", "b"))
+    fragile = item("c", 0.4, 0.3, 0.1, this_side_up=True).model_copy(update={"max_load": 0.0})
+    *_, last = packed((*boxes, fragile)).packed
+    assert last.placed.lower[2] == pytest.approx(0.2)
+    *_, last = packed((*boxes, fragile.model_copy(update={"max_load": None}))).packed
+    assert last.placed.lower[2] == 0.0

@@ -66,6 +66,15 @@ def test_a_box_between_two_others_in_a_corner_touches_more_than_one_in_the_open(
     a = 0.2
     stack, _ = stack_of([PlacedBox("left", np.zeros(3), np.full(3, a), 1.0)])
     beside, alone = np.array([a + ROOM.gap, 0.0, 0.0]), np.array([0.5, 0.3, 0.0])
-    costs = costs_of(stack, np.full(3, a), np.array([beside, alone]), ROOM, PlaceCosts(untouched=1.0))
+    costs = costs_of(stack, np.full(3, a), True, np.array([beside, alone]), ROOM, PlaceCosts(untouched=1.0))
     # Beside the other one it touches base, deck's edge and neighbour; in the open its base alone.
     assert costs == pytest.approx([1.0 - 3 / 5, 1.0 - 1 / 5])
+
+
+def test_room_is_lost_over_a_box_on_which_nothing_may_stand() -> None:
+    stack, _ = stack_of([])
+    size, places = np.array([0.4, 0.3, 0.2]), np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.5]])
+    lost = 0.4 * 0.3 * (ROOM.highest - places[:, 2] - 0.2)
+    costs = PlaceCosts(dead=60.0)
+    np.testing.assert_allclose(costs_of(stack, size, False, places, ROOM, costs), 60.0 * lost)
+    np.testing.assert_array_equal(costs_of(stack, size, True, places, ROOM, costs), 0.0)

@@ -29,13 +29,13 @@ from pack_planner.layout.place_search import (
 )
 
 PLACE_RULES = {
-    "touching": PlaceCosts(untouched=1.0, top=1.0, near=1e-3),
+    "touching": PlaceCosts(untouched=1.0, top=1.0, near=1e-3, dead=60.0),
     "low_top": PlaceCosts(top=1.0, surface=1e-3, near=1e-5),
     "least_surface": PlaceCosts(surface=1.0, top=1e-3, near=1e-5),
     "bottom_left": PlaceCosts(base=1.0, near=1e-3),
 }
-"""What the places of a box are ranked by: most touching area and low top, the lowest top, the least surface
-of the block around the stack, or the lowest base."""
+"""What the places of a box are ranked by: most touching area and low top, but little room over a box that
+bears nothing; the lowest top; the least surface of the block around the stack; or the lowest base."""
 
 
 def _known_rule(name: str) -> str:
@@ -153,6 +153,7 @@ def best_place(
     room = Room(*area, config.highest, config.gap)
     needs = Needs(config.support.min_share, config.support.min_margin, config.tipping.push)
     costs = PLACE_RULES[config.rule]
+    bears = item.max_load != 0.0
     places, sizes, prices, choices = [], [], [], []
     for number, turn in enumerate(turns):
         size = np.array(turn.extents)
@@ -160,7 +161,7 @@ def best_place(
         places.append(found)
         sizes.append(np.broadcast_to(size, found.shape))
         price = config.handling_price * PRICE[turn.handling]
-        prices.append(costs_of(stack, size, found, room, costs) + price)
+        prices.append(costs_of(stack, size, bears, found, room, costs) + price)
         choices.append(np.full(len(found), number))
     every_place, every_size = np.concatenate(places), np.concatenate(sizes)
     every_price, every_choice = np.concatenate(prices), np.concatenate(choices)

@@ -59,6 +59,7 @@ class PlaceCosts(NamedTuple):
         surface: of the surface of the block around the stack [1/m^2] (the least-surface-area heuristic of Hu
             et al., "Solving a new 3D bin packing problem with deep reinforcement learning method", 2017).
         near: of the sum of x and y of its corner [1/m].
+        dead: of the room over a box on which nothing may stand [1/m^3].
     """
 
     untouched: float = 0.0
@@ -66,6 +67,7 @@ class PlaceCosts(NamedTuple):
     base: float = 0.0
     surface: float = 0.0
     near: float = 0.0
+    dead: float = 0.0
 
 
 class Needs(NamedTuple):
@@ -117,8 +119,10 @@ def _coordinates(lower: Array, upper: Array, edge: float, length: float, gap: fl
 
 
 @numba.njit(cache=True)
-def costs_of(stack: Stack, size: Array, places: Array, room: Room, costs: PlaceCosts) -> Array:
-    """What each of the places `(m, 3)` costs a box of `size` `(3,)`, `(m,)`."""
+def costs_of(
+    stack: Stack, size: Array, bears: bool, places: Array, room: Room, costs: PlaceCosts
+) -> Array:  # fmt: skip
+    """What each of the places `(m, 3)` costs a box of `size` `(3,)` that `bears` others or not, `(m,)`."""
     found, low, high = np.empty(len(places)), np.full(3, np.inf), np.zeros(3)
     for k in range(len(stack.lower)):
         low, high = np.minimum(low, stack.lower[k]), np.maximum(high, stack.upper[k])
@@ -132,6 +136,8 @@ def costs_of(stack: Stack, size: Array, places: Array, room: Room, costs: PlaceC
             cost += 2.0 * costs.surface * (length * width + (length + width) * max(high[2], top))
         if costs.untouched > 0.0:
             cost += costs.untouched * (1.0 - _touched_share(stack, size, p, room))
+        if not bears:
+            cost += costs.dead * size[0] * size[1] * (room.highest - top)
         found[m] = cost
     return found
 
