@@ -73,6 +73,8 @@ class HeldWatch:
             forces: forces of the wrench since the sample before `(n, 3)` [N], in axes of the object.
             scene: where the other objects are.
         """
+        if self._config.certainty == 1.0:
+            return None
         R, v = self.motion(joints)
         before, self._before = self._before, (joints.time, R, v)
         if before is None or not len(forces) or not self._is_free(joints.q, scene):

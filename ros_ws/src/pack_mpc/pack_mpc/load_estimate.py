@@ -51,7 +51,7 @@ class LoadConfig(Config):
     prior: float = Field(default=1e-2, gt=0, lt=1, description="share of objects of another mass")
     loss_rate: PositiveFloat = Field(default=1e-2, description="losses that go unnoticed [1/s]")
     certainty: float = Field(
-        default=0.99, gt=0, lt=1, description="probability from which on a wrong mass is named"
+        default=0.99, gt=0, le=1, description="probability from which on a wrong mass is named; 1: never"
     )
 
 
