@@ -28,7 +28,7 @@ test: setup ## tests but benchmarks (ARGS for pytest; WORKERS=0: one process)
 	@$(IN_ENV) PYTHONDONTWRITEBYTECODE= pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder \
 		--benchmark-disable --durations=30 -m "not benchmark and not long" $(ARGS)
 
-slow: setup ## tests that take minutes: cells in a browser, blocks demo
+slow: setup ## tests that take minutes: cells in a browser, most demos
 	@$(IN_ENV) pytest -m long $(ARGS)
 
 bench: setup ## measure speed and success (ARGS goes to the command)

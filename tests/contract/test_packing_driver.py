@@ -286,8 +286,7 @@ def test_bad_setpoints_neither_move_nor_end_it_and_are_counted(rig: DriverRig, k
         # One at a time: of several at once the queue, which keeps the newest one, may lose some.
         rig.send_message(message)
         refused += 1
-        rig.wait_until(lambda refused=refused: rig.refusals() >= refused)
-        rig.wait(STOP)
+        rig.wait_until(lambda n=refused, end=begun + STOP: rig.refusals() >= n and rig.time > end)
         away = max(np.abs(sample.q - held).max() for sample in rig.samples(begun))
         assert away < STILL, f"setpoints with {what} moved the arm by {away:.4f} rad; allowed: {STILL}"
     rig.set_going()

@@ -9,6 +9,8 @@ from pack_core.paths import config_path
 from pack_evaluation.palletizing.from_bag import load_pallet_run
 from pack_evaluation.palletizing.measures import measure_order
 
+# A run takes a minute of processor time: what demos have in common is tested with that of packing, the rest
+# in tests/integration/palletizing.
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(900)]
 FACTOR = 0.4
 """Simulated seconds a second: what a busy machine with two cores keeps up with."""
@@ -34,6 +36,7 @@ def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     return folder, text
 
 
+@pytest.mark.long
 def test_the_demo_builds_the_pallet_and_leaves_everything_behind(demo: tuple[Path, str]) -> None:
     folder, _ = demo
     assert {path.name for path in folder.iterdir()} == {
@@ -43,10 +46,12 @@ def test_the_demo_builds_the_pallet_and_leaves_everything_behind(demo: tuple[Pat
     assert [box.outcome for box in run.boxes] == ["placed"]
 
 
+@pytest.mark.long
 def test_a_healthy_start_run_and_end_log_no_error(demo: tuple[Path, str]) -> None:
     assert alarms(demo[0]) == []
 
 
+@pytest.mark.long
 def test_the_measures_of_the_recording_are_within_their_targets(demo: tuple[Path, str]) -> None:
     measures = measure_order(load_pallet_run(demo[0]))
     assert measures.is_complete

@@ -1,15 +1,14 @@
 """`pack benchmark blocks` as it is typed: tables, summary, report, what is kept."""
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner, Result
 
+from pack_bringup.cli.main import app
 from pack_core.paths import config_path
 
-PACK = [sys.executable, "-c", "from pack_bringup.cli.main import main; main()", "benchmark", "blocks"]
 EXAMPLE = config_path("scenarios", "blocks", "example.yaml")
 KEYS = {
     "instances", "solved", "verified", "first_plan_ms", "actions", "lower_bound", "executed", "executed_ok",
@@ -26,8 +25,8 @@ blocks:
 pytestmark = pytest.mark.timeout(300)
 
 
-def benchmark(*arguments: object) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([*PACK, *map(str, arguments)], capture_output=True, text=True)
+def benchmark(*arguments: object) -> Result:
+    return CliRunner().invoke(app, ["benchmark", "blocks", *map(str, arguments)])
 
 
 @pytest.fixture(scope="module")
@@ -39,8 +38,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         "--problem", EXAMPLE, "--problem", folder / "stuck.yaml", "--method", "beam", "--method", "pirs",
         "--budget", 0.5, "--pictures", 1, "-o", folder / "own", "--json", folder / "sums" / "own.json",
     )  # fmt: skip
-    assert outcome.returncode == 0, outcome.stderr
-    (folder / "stdout").write_text(outcome.stdout)
+    assert outcome.exit_code == 0, outcome.output
+    (folder / "stdout").write_text(outcome.output)
     return folder
 
 
@@ -78,6 +77,6 @@ def test_what_was_measured_is_not_measured_again(folder: Path) -> None:
         "--problem", EXAMPLE, "--budget", 0.5, "--pictures", 0, "-o", folder / "own",
         "--json", folder / "one.json",
     )  # fmt: skip
-    assert "1 of 1 trials are there already" in outcome.stdout
+    assert "1 of 1 trials are there already" in outcome.output
     assert (folder / "own" / "trials.jsonl").read_text() == before
     assert json.loads((folder / "one.json").read_text())["instances"] == 1
