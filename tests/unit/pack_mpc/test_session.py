@@ -51,3 +51,30 @@ def test_without_the_held_object_nothing_is_planned(
     held = scene.new_object.name
     with pytest.raises(MessageError, match=f"lacks {held}"):
         session.step(seen(joints, state, held), LATENCY)
+
+
+def test_an_object_that_is_seen_meanwhile_is_taken_up_without_a_stop(
+    scene: Scene, joints: JointSample, state: SceneState
+) -> None:
+    others = [item for item in scene.objects if item.name != LOST]
+    session = PackingSession(
+        scene.model_copy(update={"objects": others}), packing_cell(), SessionConfig(),
+        PackingMethod.PACK_IT_IN, 0.0,
+    )  # fmt: skip
+    before = session.step(seen(joints, state, LOST), LATENCY)
+    assert session.follow(scene)
+    assert not session.follow(scene)
+    with pytest.raises(MessageError, match=f"lacks {LOST}"):
+        session.step(seen(joints, state, LOST), LATENCY)
+    after = session.step(seen(joints, state), LATENCY)
+    assert before is not None
+    assert after is not None
+    # it goes on along the plan before
+    q, _, _ = before.setpoints.at(after.setpoints.time)
+    assert after.setpoints.q[0] == pytest.approx(q, abs=0.01)
+
+
+def test_what_is_described_for_another_goal_is_not_taken_up(session: PackingSession, scene: Scene) -> None:
+    other = scene.new_object.model_copy(update={"name": "other"})
+    assert not session.follow(scene.model_copy(update={"new_object": other, "objects": []}))
+    assert session.scene is scene

@@ -120,14 +120,25 @@ class PackingController:
     """
 
     def __init__(self, scene: Scene, cell: PackingCell, weights: WeightSet, config: ControllerConfig) -> None:
-        self.scene = scene
         self._config, self._weights = config, weights
-        own = getattr(config, config.optimizer)
-        modelled = cell if config.compliant_tip else cell.model_copy(update={"tip": None})
-        self._optimizer = OPTIMIZERS[config.optimizer](scene, modelled, own, config.threads)
-        self._reduction = StateReduction(self._optimizer.plant, own.reduction)
-        self._predictor = Predictor(scene, modelled)
+        self._modelled = cell if config.compliant_tip else cell.model_copy(update={"tip": None})
         self._in_flight: tuple[Setpoints, ...] = ()
+        self._model(scene)
+
+    def _model(self, scene: Scene) -> None:
+        """Make the models of a scene and what plans with them."""
+        self.scene, config = scene, self._config
+        own = getattr(config, config.optimizer)
+        self._optimizer = OPTIMIZERS[config.optimizer](scene, self._modelled, own, config.threads)
+        self._reduction = StateReduction(self._optimizer.plant, own.reduction)
+        self._predictor = Predictor(scene, self._modelled)
+
+    def change_scene(self, scene: Scene) -> None:
+        """Go on with other objects, or other shapes of them; what hangs on the cup is the same."""
+        last = self._optimizer
+        self._model(scene)
+        self._optimizer.is_sparing = last.is_sparing
+        self._optimizer.go_on_from(last)
 
     def spare(self, is_sparing: bool) -> None:
         """Do with fewer rollouts from now on, or no longer."""

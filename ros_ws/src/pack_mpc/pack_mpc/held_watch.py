@@ -61,6 +61,10 @@ class HeldWatch:
         """What is known of the mass."""
         return self._estimate
 
+    def change_scene(self, scene: Scene) -> None:
+        """Go on with other objects in the container; what is held is the same."""
+        self._scene = scene
+
     def motion(self, joints: JointSample) -> tuple[Array, Array]:
         """R_WN `(3, 3)`, and the velocity of the object's centre of mass in the world `(3,)` [m/s]."""
         return self._object.forward_matrix(joints.q)[0], self._centre.jacobian(joints.q)[:3] @ joints.v

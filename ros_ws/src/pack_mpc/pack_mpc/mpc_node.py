@@ -128,6 +128,7 @@ class MpcNode(GoalNode):
         seen = self._mailbox.observe(self._config.blind_time if session is None else session.blind_time)
         if self.is_cancel_requested:
             goal.finish(PackingExitReason.CANCELED, seen.joints.time, "on request")
+        goal.follow(self._described())
         self._give_up_for_load(goal)
         turn = goal.turn(seen, self._mailbox.force, latency)
         self._worker.is_waiting = self._placements.is_pending

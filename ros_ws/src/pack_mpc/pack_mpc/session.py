@@ -63,10 +63,28 @@ class PackingSession:
         self.task = PackingTask(
             scene, config.task, time, timeout, weights.lean, knows_objects=method.knows_objects
         )
-        known = scene if method.knows_objects else scene.model_copy(update={"objects": []})
-        self.controller = PackingController(known, cell, weights, config.controller)
+        self.controller = PackingController(self._modelled(scene), cell, weights, config.controller)
         self._watch = HeldWatch(arm_chain(cell), scene, config.load)
         self.iterations_ms: list[float] = []
+
+    def _modelled(self, scene: Scene) -> Scene:
+        """The scene with the objects that the method takes into account."""
+        return scene if self.method.knows_objects else scene.model_copy(update={"objects": []})
+
+    def follow(self, scene: Scene) -> bool:
+        """Go on with what is described now: objects that were seen meanwhile, or seen better.
+
+        Returns:
+            Whether anything has changed; a scene in which something else is held is not of this goal.
+        """
+        is_same_goal = scene.new_object.name == self.scene.new_object.name and not scene.is_handed_over
+        if not is_same_goal or scene.objects == self.scene.objects:
+            return False
+        self.scene = scene = self.scene.model_copy(update={"objects": scene.objects})
+        self.task.change_scene(scene)
+        self._watch.change_scene(scene)
+        self.controller.change_scene(self._modelled(scene))
+        return True
 
     def needs_placement(self, scene: SceneState) -> bool:
         """Whether to plan a placement now: the task has none, and every object of the scene has a pose."""

@@ -121,6 +121,28 @@ class SurfaceFitConfig(Config):
     angle: PositiveFloat = Field(default=0.04, description="deviation of an expected orientation [rad]")
 
 
+class LookAgainConfig(Config):
+    """When what nobody described is looked at again, and what is then believed."""
+
+    period: PositiveFloat = Field(
+        default=0.5,
+        description="time between two looks, where objects have moved [s]; .inf: none but the first",
+    )
+    moved: PositiveFloat = Field(
+        default=0.005, description="an object that moved farther lets others be seen that it hid [m]"
+    )
+    surer: float = Field(
+        default=0.7, gt=0, lt=1,
+        description="a shape takes the place of another if its deviations are less than this share of theirs",
+    )  # fmt: skip
+    sure: PositiveFloat = Field(
+        default=0.003, description="a shape whose lengths are surer than this stays as it is [m]"
+    )
+    tilt_deg: PositiveFloat = Field(
+        default=2.0, description="what leans farther is not looked at: shapes stand upright on the base [deg]"
+    )
+
+
 class HeldFitConfig(Config):
     """How the object on the cup is measured before a goal."""
 
@@ -159,6 +181,7 @@ class DepthConfig(Config):
     look: DepthLookConfig = DepthLookConfig()
     fit: SurfaceFitConfig = SurfaceFitConfig()
     held: HeldFitConfig = HeldFitConfig()
+    again: LookAgainConfig = LookAgainConfig()
     every: PositiveInt = Field(default=3, description="every many pixels of a row or column one is tracked")
 
 

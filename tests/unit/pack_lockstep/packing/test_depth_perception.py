@@ -109,6 +109,30 @@ def test_an_object_that_is_shifted_is_followed() -> None:
     assert estimate.p == pytest.approx(truth.p, abs=0.002)
 
 
+def test_what_comes_into_sight_while_others_are_pushed_is_one_more_object() -> None:
+    given = load_preset("unknown")
+    hidden = scene().poses() | {"sugar_box": Pose(np.array([0.5, 0.35, 0.055]))}  # where no look looks
+    cell = LockstepCell(
+        given.packing_cell(), scene().with_poses(hidden), lockstep_config(given), 0, lambda *_: None
+    )
+    cell.settle()
+    simulator, before = cell.simulator, cell.known_scene
+    assert len(before.names) == len(SPOTS) - 1
+    cell.advance(0.6)
+    assert cell.known_scene is before  # nothing has moved
+    q, at = simulator.data.qpos, {name: simulator.model.joint(name).qposadr[0] for name in SPOTS}
+    q[at["tea_box"]] -= 0.008
+    q[at["sugar_box"] : at["sugar_box"] + 2] = SPOTS["sugar_box"]
+    cell.advance(1.3)
+    seen = cell.seen()
+    assert len(seen.poses) == len(seen.objects) == len(SPOTS)
+    assert cell.known_scene.names[:-1] == before.names
+    assert cell.known_scene.objects[:-1] == before.objects
+    estimate, truth = cell.estimator.state(cell.estimator.time), simulator.truth()
+    new = estimate.objects[seen.objects["sugar_box"].name].X_WO.p
+    assert new == pytest.approx(truth.objects["sugar_box"].X_WO.p, abs=0.003)
+
+
 def test_with_a_camera_that_was_knocked_nothing_is_looked_for() -> None:
     given = load_preset("unknown").over("cell", {"depth": {"noise": {"mount_position": 0.01}}})
     cell = LockstepCell(given.packing_cell(), scene(), lockstep_config(given), 0, lambda *_: None)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ import numpy as np
 from pack_core import stamps
 from pack_core.errors import BagError, MessageError
 from pack_core.packing.scene import Scene
-from pack_core.packing.seen_deviations import SEEN, SeenObjects
+from pack_core.packing.seen_deviations import SEEN, SeenDeviations, SeenObjects
 from pack_core.packing.settled_sample import SettledSample
 from pack_core.packing.topics import (
     DEPTH_INFOS,
@@ -31,7 +32,7 @@ from pack_core.rotations import Array, Pose
 from pack_core.topics import REAL_TIME_FACTOR
 from pack_evaluation.bag import Bag, Recorded, fitting, read_bag, result_in, seconds, times_of
 from pack_evaluation.goals import goal_of
-from pack_evaluation.packing.run import Iterations, Run
+from pack_evaluation.packing.run import Iterations, Run, SeenScene
 from pack_evaluation.packing.run_file import SUFFIX, load_saved_run
 from pack_evaluation.packing.seen_objects import seen_objects, with_true_names
 from pack_evaluation.track import orientation, position, recorded_tracks
@@ -72,11 +73,32 @@ def named_as_true(run: Run, bag: Bag) -> Run:
     if not bag.of(DEPTH_INFOS[0]) or not bag.of(SIM_DESCRIPTION):
         return run
     told = Scene.from_yaml(bag.of(SIM_DESCRIPTION)[-1].data, SIM_DESCRIPTION)
-    moment = np.array([run.start])
-    estimate = {name: track.at(moment).pose(0) for name, track in run.estimate.items()}
-    truth = {name: track.at(moment).pose(0) for name, track in run.truth.items()}
-    deviations = SeenObjects.from_yaml(bag.of(SEEN)[-1].data).objects if bag.of(SEEN) else {}
-    return with_true_names(run, seen_objects(run.scene, estimate, told, truth, deviations), told)
+    looks = [SeenObjects.from_yaml(message.data) for message in bag.of(SEEN)]
+    before = next((look.objects for look in reversed(looks) if look.time <= run.start), {})
+    after = looks[-1].objects if looks else {}
+    last = Scene.from_yaml(bag.of(DESCRIPTION)[-1].data, DESCRIPTION)
+    seen_after = _seen_at(run, run.end, last, told, after)
+    named = with_true_names(run, _seen_at(run, run.start, run.scene, told, before), told)
+    return replace(named, seen_after=seen_after)
+
+
+def _seen_at(
+    run: Run, time: float, known: Scene, true: Scene, deviations: Mapping[str, SeenDeviations]
+) -> SeenScene:
+    """What perception knew at a time [s], matched to what was there."""
+    moment = np.array([time])
+    estimate, truth = (
+        {name: track.at(moment).pose(0) for name, track in tracks.items()}
+        for tracks in (run.estimate, run.truth)
+    )
+    return seen_objects(known, estimate, true, truth, deviations)
+
+
+def _described(bag: Bag, start: float) -> Scene:
+    """The cell as described when a goal began, at `start` [s]; depth cameras see more while it runs."""
+    told = [item for item in bag.messages if item.topic == DESCRIPTION]
+    before = [item for item in told if stamps.to_seconds(item.time_ns) <= start]
+    return Scene.from_yaml((before[-1] if before else told[0]).message.data, DESCRIPTION)
 
 
 def _goal_in(bag: Bag, goal: int | None) -> tuple[Run, Bag]:
@@ -91,7 +113,7 @@ def _goal_in(bag: Bag, goal: int | None) -> tuple[Run, Bag]:
     start, end = _window(bag, iterations, outcome)
     joints, wrenches = bag.of(JOINT_STATES), bag.of(WRENCH)
     run = Run(
-        scene=Scene.from_yaml(bag.of(DESCRIPTION)[-1].data, DESCRIPTION), start=start, end=end,
+        scene=_described(bag, start), start=start, end=end,
         iterations=iterations, truth=recorded_tracks(bag.of(TRUTH)), estimate=recorded_tracks(bag.of(SCENE)),
         joint_times=times_of(joints), joints=np.array([message.position for message in joints]),
         force_times=times_of(wrenches), force=magnitudes(wrenches),

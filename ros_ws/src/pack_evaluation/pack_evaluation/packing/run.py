@@ -107,6 +107,7 @@ class Run(RecordedRun):
         arm: name of the arm, one of `pack_core.robots.packing_arms`.
         samples: some settled samples of the first placement, the cheapest first; empty if none were recorded.
         seen: what depth cameras saw before the goal; None with markers.
+        seen_after: what perception knew at its end; None with markers, and in older files.
     """
 
     scene: Scene
@@ -125,6 +126,7 @@ class Run(RecordedRun):
     arm: str = "panda"
     samples: tuple[SettledSample, ...] = ()
     seen: SeenScene | None = None
+    seen_after: SeenScene | None = None
 
     @property
     def held(self) -> str:

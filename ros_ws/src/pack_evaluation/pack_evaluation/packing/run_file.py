@@ -35,7 +35,7 @@ def save_run(run: Run, path: Path) -> None:
     about = {
         "scene": run.scene.to_yaml(), "start": run.start, "end": run.end, "outcome": run.outcome,
         "release_reason": run.release_reason, "is_cut": run.is_cut, "arm": run.arm,
-        "seen": None if run.seen is None else _plain_seen(run.seen),
+        "seen": _plain_seen(run.seen), "seen_after": _plain_seen(run.seen_after),
         **{name: getattr(run.iterations, name) for name in TEXTS},
     }  # fmt: skip
     arrays: dict[str, Any] = {ABOUT: np.array(json.dumps(about)), **dict(_arrays(run))}
@@ -94,7 +94,8 @@ def _run(about: dict[str, Any], arrays: Mapping[str, npt.NDArray[Any]]) -> Run:
         arm=about.get("arm", DEFAULT_ARM),  # files from before there was a second arm do not name it
         # files from before samples were kept have none
         samples=tuple(_sample(given) for given in json.loads(str(arrays.get(SAMPLES, "[]")))),
-        seen=_seen(about.get("seen")),  # files from before there were depth cameras do not have it
+        # older files do not have them
+        seen=_seen(about.get("seen")), seen_after=_seen(about.get("seen_after")),
         **given,
     )  # fmt: skip
 
@@ -114,7 +115,9 @@ def _seen_object(given: Mapping[str, Any]) -> SeenObject:
     return SeenObject(**{**given, "sizes": tuple(given["sizes"])})
 
 
-def _plain_seen(seen: SeenScene) -> dict[str, Any]:
+def _plain_seen(seen: SeenScene | None) -> dict[str, Any] | None:
+    if seen is None:
+        return None
     objects = {name: asdict(item) for name, item in seen.objects.items()}
     deviations = {name: item.model_dump(mode="json") for name, item in seen.deviations.items()}
     return {

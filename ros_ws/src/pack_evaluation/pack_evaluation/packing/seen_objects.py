@@ -35,6 +35,8 @@ class PerceptionErrors:
         angles: of their axes and headings, less symmetries; headings of the same shapes alone `(n,)` [rad].
         sizes: of lengths and heights of what was seen before the goal `(3 found,)` [m].
         held: the same three of the object on the cup.
+        after: number of objects that perception knew of after the goal, number of objects of which one of
+            these covers most, and errors of lengths and heights `(3 found,)` [m].
     """
 
     objects: int
@@ -44,11 +46,17 @@ class PerceptionErrors:
     angles: Array
     sizes: Array
     held: tuple[Array, Array, Array]
+    after: tuple[int, int, Array]
 
     @property
     def is_right_number(self) -> bool:
         """Whether perception knew of all objects and of nothing else."""
         return self.objects == self.seen == self.found
+
+    @property
+    def is_right_after(self) -> bool:
+        """The same at the end of the goal."""
+        return self.objects == self.after[0] == self.after[1]
 
 
 def quantiles(errors: Array) -> dict[str, float | None]:
@@ -65,6 +73,12 @@ def figures(runs: Sequence[PerceptionErrors]) -> dict[str, Any]:
         "right_number": sum(run.is_right_number for run in runs),
         **_errors([(run.positions, run.angles, run.sizes) for run in runs]),
         "held": _errors([run.held for run in runs]),
+        "after": {
+            "seen": sum(run.after[0] for run in runs),
+            "found": sum(run.after[1] for run in runs),
+            "right_number": sum(run.is_right_after for run in runs),
+            "size_mm": quantiles(1e3 * np.concatenate([run.after[2] for run in runs])),
+        },
     }
 
 
@@ -136,9 +150,10 @@ def perception_errors(run: Run) -> PerceptionErrors | None:
     if (seen := run.seen) is None:
         return None
     held = {} if seen.held is None else {run.held: seen.held}
+    after = seen if run.seen_after is None else run.seen_after
     return PerceptionErrors(
         len(run.scene.objects), len(seen.poses), len(seen.objects), *_errors_of(run, seen.objects),
-        _errors_of(run, held),
+        _errors_of(run, held), (len(after.poses), len(after.objects), _sizes_of(after.objects)),
     )  # fmt: skip
 
 
@@ -150,8 +165,12 @@ def _errors_of(run: Run, objects: Mapping[str, SeenObject]) -> tuple[Array, Arra
         truth = run.truth[name].at(estimate.times)
         positions.append(estimate.distance_to(truth.p))
         angles.append(_angles(_symmetry(run.scene.model_of(name), item), estimate, truth))
-    sizes = np.array([item.sizes for item in objects.values()]).ravel()
-    return np.concatenate(positions), np.concatenate(angles), sizes
+    return np.concatenate(positions), np.concatenate(angles), _sizes_of(objects)
+
+
+def _sizes_of(objects: Mapping[str, SeenObject]) -> Array:
+    """Errors of lengths and heights `(3 n,)` [m]."""
+    return np.array([item.sizes for item in objects.values()]).ravel()
 
 
 def _sides(outline: shapely.Polygon) -> Array:

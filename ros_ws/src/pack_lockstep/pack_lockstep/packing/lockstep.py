@@ -7,7 +7,7 @@ takes on the wall clock, so a run repeats bit for bit on any machine.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -124,12 +124,15 @@ class LockstepPlacements:
         config: how long planning takes.
         seed: seed of the placements.
         near: where the first placement is wanted, X_WN; None: wherever it disturbs least.
+
+    Attributes:
+        planner: of the goal's scene as it is known now.
     """
 
     def __init__(
         self, planner: PlacementPlanner, config: LockstepConfig, seed: int, near: Pose | None = None
     ) -> None:
-        self._planner, self._config, self._seed, self._near = planner, config, seed, near
+        self.planner, self._config, self._seed, self._near = planner, config, seed, near
         self._answer: tuple[float, PlannedPlacement] | None = None
 
     def serve(self, session: PackingSession, seen: PackingObservation) -> PlannedPlacement | None:
@@ -140,7 +143,7 @@ class LockstepPlacements:
         """
         task, time, planned = session.task, seen.joints.time, None
         if self._answer is None and session.needs_placement(seen.scene):
-            planned = self._planner.plan(
+            planned = self.planner.plan(
                 seen.scene, np.random.default_rng(self._seed + len(task.avoid)), avoid=task.avoid,
                 avoid_radius=task.avoid_radius, lean=task.lean, near=self._near,
             )  # fmt: skip
@@ -192,8 +195,10 @@ class Lockstep:
         self._cell.settle()
         known = self._cell.known_scene
         self._seen = self._cell.seen()
-        planners = PlacementPlanners(known, cell, config.planner)
-        self._placements = LockstepPlacements(planners.of(method.placement_variant), config, seed)
+        self._planner_of: Callable[[Scene], PlacementPlanner] = lambda scene: PlacementPlanners(
+            scene, cell, config.planner
+        ).of(method.placement_variant)
+        self._placements = LockstepPlacements(self._planner_of(known), config, seed)
         self._start = self.simulator.time
         self.session = PackingSession(known, cell, config.session, method, self._start)
 
@@ -209,6 +214,8 @@ class Lockstep:
             if blind_for(seen.scene, seen.joints.time) > session.blind_time:
                 self._wait(seen, on_step)
                 continue
+            if session.follow(self._cell.known_scene):
+                self._placements.planner = self._planner_of(session.scene)
             if (placement := self._placements.serve(session, seen)) is not None:
                 self._log.place(placement)
             plan = session.step(seen, self._config.latency)
@@ -248,4 +255,4 @@ class Lockstep:
         )  # fmt: skip
         if simulator.cell.perception is Perception.MOCAP:
             return run
-        return with_true_names(run, self._seen, simulator.scene)
+        return replace(with_true_names(run, self._seen, simulator.scene), seen_after=self._cell.seen())

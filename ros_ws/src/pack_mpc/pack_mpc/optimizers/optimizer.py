@@ -63,6 +63,9 @@ class Optimizer(ABC):
     def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: PackingTarget) -> Solution:
         """One iteration from the state `x0` `(nx,)`, warm-started by the last one."""
 
+    def go_on_from(self, last: Optimizer) -> None:  # noqa: B027 - one that starts cold plans anew
+        """Begin where another one of the same class has stopped, which had other objects in its model."""
+
     def change_cost(self) -> None:  # noqa: B027 - most optimizers keep nothing that belongs to one cost
         """The next iteration has another cost, e.g. in a new stage."""
 

@@ -127,6 +127,13 @@ class SgnOptimizer(Optimizer):
         batch, i = (first, best) if best < len(first.costs) else (second, best - len(first.costs))
         return self._solution(batch, i, step_size=float(best > 0))
 
+    def go_on_from(self, last: Optimizer) -> None:
+        """Take over the plan, which is the arm's alone; the differences are of the objects of that model."""
+        assert isinstance(last, SgnOptimizer)
+        self._theta, self._reference, self._turn, self._rng = (
+            last._theta, last._reference, last._turn, last._rng,
+        )  # fmt: skip
+
     def _fastest_down(self, target: PackingTarget) -> float:
         """Largest downward speed [m/s]: slow where it may land on something."""
         config = self._config

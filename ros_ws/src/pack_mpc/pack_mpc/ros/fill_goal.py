@@ -68,6 +68,11 @@ class FillGoal:
         self._pending: TaskRun[object] | None = None
         self._forces, self.force_peak = ForceRecord(), 0.0
 
+    def follow(self, scene: Scene) -> None:
+        """Take up the newest description in the packing goal that is in progress."""
+        if self.session is not None:
+            self.session.follow(scene)
+
     def turn(self, seen: PackingObservation, force: Array, latency: float) -> GoalTurn:
         """Go on with the newest observation.
 

@@ -12,6 +12,7 @@ from rclpy.task import Future
 from pack_core.errors import MessageError
 from pack_core.joints import Setpoints
 from pack_core.packing.goals import PackingExitReason, PackingMethod
+from pack_core.packing.scene import Scene
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.messages.conversions import from_pose, to_point, to_pose
 from pack_core.ros.messages.packing import from_way
@@ -121,6 +122,10 @@ class PackGoal:
     def is_ended(self) -> bool:
         """Whether the goal has its outcome."""
         return self.session.task.outcome is not None
+
+    def follow(self, scene: Scene) -> None:
+        """Take up the newest description."""
+        self.session.follow(scene)
 
     def turn(self, seen: PackingObservation, _: Array, latency: float) -> GoalTurn:
         """Plan once from the newest observation, for a plan that is in force after `latency` [s]."""

@@ -134,6 +134,10 @@ class StageMachine:
         self._least, self._progress = np.inf, time
         self._X_WN, self._time = X_WN, time
 
+    def change_scene(self, scene: Scene) -> None:
+        """Go on with other objects in the container; what is held is the same."""
+        self._scene = scene
+
     @property
     def target(self) -> PackingTarget:
         """Where the held object shall go in this stage."""

@@ -100,6 +100,12 @@ class PackingTask:
         self._forces = ForceRecord()
         self.distance = 0.0
 
+    def change_scene(self, scene: Scene) -> None:
+        """Go on with other objects in the container; what is held is the same."""
+        self._scene = scene
+        if self._stages is not None:
+            self._stages.change_scene(scene)
+
     @property
     def machine(self) -> GoalMachine | None:
         """What is followed: look poses until every object has a pose, then stages; None at first."""

@@ -78,8 +78,9 @@ def off_container(points: Array, container: Container, on_wall: float) -> Array:
 
 
 def look_at(
-    points: Array, sight: SightLines, container: Container, config: DepthLookConfig, before: int = 0
-) -> list[SeenShape]:
+    points: Array, sight: SightLines, container: Container, config: DepthLookConfig, before: int = 0,
+    known: Sequence[shapely.Polygon] = (),
+) -> list[SeenShape]:  # fmt: skip
     """The objects in a container.
 
     Args:
@@ -88,6 +89,7 @@ def look_at(
         container: where they stand.
         config: parameters.
         before: how many objects earlier looks have named.
+        known: outlines of objects that are not looked for.
 
     Returns:
         An object for each region of tops, the largest first; their names are `seen_1` and so on, or go on
@@ -95,18 +97,25 @@ def look_at(
     """
     heights = height_map(points, sight, container, config.heights)
     found: list[FittedShape] = []
-    taken = np.zeros(heights.tops.shape, dtype=bool)
-    for mask in _joined(regions(heights, config.heights), heights, config):
+    taken = _within(known, heights)
+    least = config.heights.min_area / heights.cell**2
+    masks = [rest for mask in regions(heights, config.heights) if (rest := mask & ~taken).sum() >= least]
+    for mask in _joined(masks, heights, config):
         rest = mask & ~taken
-        if rest.sum() * heights.cell**2 < config.heights.min_area:
+        if rest.sum() < least:
             continue
         for shape in _objects_of(rest, heights, config):
             longer = _continued(shape, rest, heights, config)
             if longer is not shape:  # what is seen behind the gap is no object of its own
-                outline = footprint(longer.item, longer.X_WO).buffer(heights.cell)
-                taken |= shapely.contains_xy(outline, heights.centres()).reshape(taken.shape)
+                taken |= _within([footprint(longer.item, longer.X_WO)], heights)
             found.append(longer)
     return [_named(f, f"seen_{i}", heights, config) for i, f in enumerate(found, before + 1)]
+
+
+def _within(outlines: Sequence[shapely.Polygon], heights: HeightMap) -> Mask:
+    """The cells `(nx, ny)` of outlines, with their edges."""
+    whole = shapely.union_all(outlines).buffer(heights.cell)
+    return np.asarray(shapely.contains_xy(whole, heights.centres()).reshape(heights.tops.shape))
 
 
 def _named(fit: FittedShape, name: str, heights: HeightMap, config: DepthLookConfig) -> SeenShape:

@@ -29,15 +29,19 @@ class HandOverEstimator(PhysicsEstimator):
         poses, twists = self._estimates()
         stay = _staying(scene)
         known = {n: i for i, n in enumerate(self._markers.names) if self._is_known[i] and n in stay}
-        seen, fitted = self._seen, self._fitted
+        seen, fitted, grip = self._seen, self._fitted, self._grip
+        if (scene.new_object, scene.grip) != (self._scene.new_object, self._scene.grip):
+            grip = GripTracker(self._config.grip, held_pose(scene), is_held=not scene.is_handed_over)
         self._scene, self._markers = scene, MarkerTable(scene)
         self._seen, self._fitted = np.full((2, len(self._markers.names)), -np.inf)
         for row, name in enumerate(self._markers.names):
             if name in known:
                 self._seen[row], self._fitted[row] = seen[known[name]], fitted[known[name]]
-        self._grip = GripTracker(self._config.grip, held_pose(scene), is_held=not scene.is_handed_over)
-        role = HeldRole.FREE if scene.is_handed_over else HeldRole.RIGID
+        self._grip = grip
+        role = HeldRole.RIGID if grip.is_held else HeldRole.FREE
         self._use(GuidedCell(scene, self._cell, role, self._config.step))
+        if grip.is_held:
+            self._physics.set_grip(grip.X_TN)
         kept = [name for name in self._physics.free if name in known]
         rows = np.array([self._physics.free.index(name) for name in kept], dtype=int)
         old = [known[name] for name in kept]

@@ -1,0 +1,111 @@
+"""A look while objects are pushed: what was hidden, and what is seen better than before.
+
+All but what is sure already is looked at as at the first time. What overlaps with an object that is known is
+that object, seen again: its shape is taken if it is surer. What overlaps with none is an object that nobody
+had seen. Both are believed once two looks in a row agree, as leaning objects and the arm's edges look like
+others for a moment.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from pack_core.packing.free_space import footprint
+from pack_core.packing.scene_item import SceneItem
+from pack_core.packing.seen_deviations import SeenDeviations
+from pack_core.rotations import Array, Pose, rotate
+from pack_perception.depth.look import SeenShape
+from pack_perception.perception_config import LookAgainConfig
+
+SAME = 0.5
+"""Overlap of outlines, intersection over union, from which two are of one object."""
+APART = 0.1
+"""Share of an outline that may be within others of an object that nobody had seen."""
+
+
+@dataclass(frozen=True)
+class KnownObject:
+    """An object as it is known.
+
+    Attributes:
+        item: its shape.
+        X_WO: where it is estimated to be.
+        deviations: how sure its shape is; None where it never was looked at, so that its shape stays.
+    """
+
+    item: SceneItem
+    X_WO: Pose
+    deviations: SeenDeviations | None
+
+    def may_be_replaced(self, config: LookAgainConfig) -> bool:
+        """Whether a look may know its shape better: it stands upright, and a length is not sure."""
+        # a capsule that lies has no upper side: it may have rolled
+        up = rotate(self.item.standing(self.X_WO).q, np.array([0.0, 0.0, 1.0]))[2]
+        is_upright = up > np.cos(np.deg2rad(config.tilt_deg))
+        return self.deviations is not None and is_upright and max(self.deviations.size[:2]) > config.sure
+
+
+@dataclass(frozen=True)
+class LookFinding:
+    """What a look has found of an object.
+
+    Attributes:
+        fit: its shape, and where.
+        name: of the known object that it is; None: of none.
+    """
+
+    fit: SeenShape
+    name: str | None
+
+    def agrees(self, other: LookFinding) -> bool:
+        """Whether both are of one object at one place."""
+        return self.name == other.name and overlap_of(_outline(self.fit), _outline(other.fit)) > SAME
+
+
+def findings(
+    found: Sequence[SeenShape], known: Sequence[KnownObject], config: LookAgainConfig
+) -> list[LookFinding]:
+    """Those of `found` that are of no known object, or know one better."""
+    outlines = [footprint(item.item, item.X_WO) for item in known]
+    results = []
+    for fit in found:
+        outline = _outline(fit)
+        overlaps = [overlap_of(outline, other) for other in outlines]
+        best = int(np.argmax(overlaps)) if overlaps else -1
+        if best >= 0 and overlaps[best] > SAME:
+            if known[best].may_be_replaced(config) and is_surer(fit, known[best], config):
+                results.append(LookFinding(fit, known[best].item.name))
+        elif outline.intersection(shapely.union_all(outlines)).area < APART * outline.area:
+            results.append(LookFinding(fit, None))
+    return results
+
+
+def confirmed(now: Sequence[LookFinding], before: Sequence[LookFinding]) -> list[LookFinding]:
+    """Those findings with which the look before agrees."""
+    return [finding for finding in now if any(finding.agrees(other) for other in before)]
+
+
+def is_surer(fit: SeenShape, known: KnownObject, config: LookAgainConfig) -> bool:
+    """Whether the lengths of what was found are surer than those that are known, altogether."""
+    assert known.deviations is not None
+    return sum(fit.deviations.size[:2]) < config.surer * sum(known.deviations.size[:2])
+
+
+def overlap_of(one: shapely.Polygon, other: shapely.Polygon) -> float:
+    """Intersection of two outlines over their union."""
+    return float(one.intersection(other).area / one.union(other).area)
+
+
+def have_moved(poses: Mapping[str, Array], before: Mapping[str, Array], config: LookAgainConfig) -> bool:
+    """Whether any object is elsewhere than before; both are positions `(3,)` [m] by name."""
+    return any(
+        name not in before or np.linalg.norm(p - before[name]) > config.moved for name, p in poses.items()
+    )
+
+
+def _outline(fit: SeenShape) -> shapely.Polygon:
+    return footprint(fit.item, fit.X_WO)

@@ -1,0 +1,62 @@
+"""What two looks while objects are pushed make of what was hidden, and of what is seen better."""
+
+import numpy as np
+
+from pack_core.packing.objects import Box
+from pack_core.packing.seen_deviations import SeenDeviations
+from pack_core.rotations import Pose, exp
+from pack_perception.depth.look import SeenShape
+from pack_perception.depth.second_look import KnownObject, LookFinding, confirmed, findings, have_moved
+from pack_perception.perception_config import LookAgainConfig
+
+CONFIG = LookAgainConfig()
+SURE, UNSURE = 0.001, 0.02
+
+
+def how_sure(length: float) -> SeenDeviations:
+    return SeenDeviations(position=(length, 0.001, 0.001), size=(length, 0.001, 0.001), yaw=0.01)
+
+
+def fit_of(x: float, length: float, sigma: float) -> SeenShape:
+    item = Box(name="seen_9", mass=0.3, shape="box", size=(length, 0.05, 0.1))
+    return SeenShape(item, Pose(np.array([x, 0.0, 0.05])), 0.9, np.zeros((0, 3)), how_sure(sigma))
+
+
+def known(x: float, length: float, sigma: float, *, lean: float = 0.0) -> KnownObject:
+    item = Box(name="seen_1", mass=0.3, shape="box", size=(length, 0.05, 0.1))
+    q = exp(np.array([lean, 0.0, 0.0]))
+    return KnownObject(item, Pose(np.array([x, 0.0, 0.05]), q), how_sure(sigma))
+
+
+def test_a_shape_that_is_surer_takes_the_place_of_one_that_was_half_hidden() -> None:
+    (found,) = findings([fit_of(0.51, 0.09, SURE)], [known(0.5, 0.07, UNSURE)], CONFIG)
+    assert found.name == "seen_1"
+
+
+def test_a_shape_stays_that_is_sure_or_leans_or_is_seen_no_better() -> None:
+    better = fit_of(0.51, 0.09, SURE)
+    assert findings([better], [known(0.5, 0.07, SURE)], CONFIG) == []
+    assert findings([better], [known(0.5, 0.07, UNSURE, lean=0.1)], CONFIG) == []
+    assert findings([fit_of(0.51, 0.09, 0.9 * UNSURE)], [known(0.5, 0.07, UNSURE)], CONFIG) == []
+
+
+def test_only_what_is_beside_all_others_is_new() -> None:
+    others = [known(0.5, 0.07, SURE)]
+    (new,) = findings([fit_of(0.6, 0.04, SURE)], others, CONFIG)
+    assert new.name is None
+    assert findings([fit_of(0.54, 0.04, SURE)], others, CONFIG) == []  # it stands in another one
+
+
+def test_what_was_seen_once_or_elsewhere_is_not_believed() -> None:
+    here, there = (LookFinding(fit_of(x, 0.04, SURE), None) for x in (0.6, 0.7))
+    assert confirmed([here], []) == []
+    assert confirmed([here], [there]) == []
+    assert confirmed([here], [LookFinding(fit_of(0.602, 0.04, SURE), None)]) == [here]
+    assert confirmed([here], [LookFinding(fit_of(0.6, 0.04, SURE), "seen_1")]) == []
+
+
+def test_a_look_is_worth_it_once_something_has_moved_or_is_new() -> None:
+    before = {"seen_1": np.zeros(3)}
+    assert not have_moved({"seen_1": np.array([0.5 * CONFIG.moved, 0.0, 0.0])}, before, CONFIG)
+    assert have_moved({"seen_1": np.array([2.0 * CONFIG.moved, 0.0, 0.0])}, before, CONFIG)
+    assert have_moved({"seen_1": np.zeros(3), "seen_2": np.zeros(3)}, before, CONFIG)
