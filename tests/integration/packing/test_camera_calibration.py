@@ -27,6 +27,7 @@ from pack_perception.depth.camera_calibration import (
     ArmView,
     CameraCalibrationConfig,
     CameraCalibrationFailed,
+    LocatedCamera,
 )
 from pack_perception.depth.registration import Registration
 from pack_sim.packing.depth_cameras import DepthCameraSystem
@@ -72,6 +73,12 @@ def seen() -> Seen:
     return Seen(run.cameras.cameras, views, knocked, container)
 
 
+@pytest.fixture(scope="module")
+def found(seen: Seen) -> tuple[LocatedCamera, ...]:
+    """The cameras, described where they hang but for what was drawn for them."""
+    return find_cameras(CELL, CELL.depth.cameras(), seen.views, CONFIG)
+
+
 def aside(mount: DepthMount) -> DepthMount:
     """The mount, 1.5 mm along x."""
     (x, y, z), (u, v, w) = mount.position, mount.target
@@ -94,10 +101,8 @@ def test_cameras_that_hang_8_mm_and_0_7_degrees_elsewhere_are_found(seen: Seen) 
         assert np.linalg.norm(middle - MIDDLE) < 5.0 * found.sigma_shift < 1e-3
 
 
-def test_the_container_is_then_seen_in_its_place(seen: Seen) -> None:
-    for one, image in zip(
-        find_cameras(CELL, CELL.depth.cameras(), seen.views, CONFIG), seen.container, strict=True
-    ):
+def test_the_container_is_then_seen_in_its_place(seen: Seen, found: tuple[LocatedCamera, ...]) -> None:
+    for one, image in zip(found, seen.container, strict=True):
         off = container_seen(CELL, one.camera, image)
         assert off is not None
         assert np.linalg.norm(off.shift) < 5e-4
@@ -134,8 +139,9 @@ def test_a_camera_far_from_its_described_place_is_refused(seen: Seen) -> None:
         find_cameras(CELL, described, seen.views, near)
 
 
-def test_its_file_is_for_the_preset_and_the_cameras_that_it_was_made_of(seen: Seen, tmp_path: Path) -> None:
-    found = find_cameras(CELL, CELL.depth.cameras(), seen.views, CONFIG)
+def test_its_file_is_for_the_preset_and_the_cameras_that_it_was_made_of(
+    found: tuple[LocatedCamera, ...], tmp_path: Path
+) -> None:
     path = tmp_path / "calibration.yaml"
     CameraCalibration(found, (None, None), 16.0).file(CELL, "installed").write(path)
     read = load_depth_calibration(path)
