@@ -1,4 +1,4 @@
-"""The `pack` command with small videos without shadows, which a machine without a graphics card draws soon.
+"""The `pack` command with small videos of few frames, which a machine without a graphics card draws soon.
 
 Started as `python -m e2e.small_videos demo packing ...`.
 """
@@ -13,11 +13,15 @@ from pack_bringup.cli.main import main
 
 WIDTH, HEIGHT = 320, 184
 SHADOW_SIZE = 512
+FPS = 5
+"""Frames a second, of video and of what it shows."""
 
 
 def shrink_videos(cell: str) -> None:
-    """Change the size that a cell's videos have, and leave out what takes longest to draw."""
-    video = import_module(f"pack_evaluation.{cell}.video")
+    """Change the size and the rate that a cell's videos have, and leave out what takes longest to draw."""
+    video_file, video = (import_module(f"pack_evaluation.{name}") for name in ("video_file", f"{cell}.video"))
+    assert video.FPS == video_file.FPS == 25
+    video.FPS = video_file.FPS = FPS
     if cell == "packing":
         video.ViewConfig = partial(video.ViewConfig, width=WIDTH, height=HEIGHT, shadow_size=SHADOW_SIZE)
         return
