@@ -76,5 +76,6 @@ def test_an_object_that_is_seen_meanwhile_is_taken_up_without_a_stop(
 
 def test_what_is_described_for_another_goal_is_not_taken_up(session: PackingSession, scene: Scene) -> None:
     other = scene.new_object.model_copy(update={"name": "other"})
-    assert not session.follow(scene.model_copy(update={"new_object": other, "objects": []}))
+    assert not session.follow(scene.model_copy(update={"new_object": other}))
+    assert not session.follow(scene.model_copy(update={"objects": scene.objects[:-1]}))
     assert session.scene is scene

@@ -75,9 +75,11 @@ class PackingSession:
         """Go on with what is described now: objects that were seen meanwhile, or seen better.
 
         Returns:
-            Whether anything has changed; a scene in which something else is held is not of this goal.
+            Whether anything has changed. A scene in which something else is held, or that lacks an object, is
+            not that of this goal: nothing vanishes.
         """
         is_same_goal = scene.new_object.name == self.scene.new_object.name and not scene.is_handed_over
+        is_same_goal &= set(self.scene.names) <= set(scene.names)
         if not is_same_goal or scene.objects == self.scene.objects:
             return False
         self.scene = scene = self.scene.model_copy(update={"objects": scene.objects})

@@ -33,11 +33,19 @@ def test_a_shape_that_is_surer_takes_the_place_of_one_that_was_half_hidden() -> 
     assert found.name == "seen_1"
 
 
+def test_a_shape_that_goes_on_where_the_known_one_ends_takes_its_place_however_sure() -> None:
+    longer = fit_of(0.515, 0.1, UNSURE)
+    (found,) = findings([longer], [known(0.5, 0.07, UNSURE)], CONFIG)
+    assert found.name == "seen_1"
+    assert findings([longer], [known(0.5, 0.07, SURE)], CONFIG) == []
+    assert findings([fit_of(0.52, 0.07, UNSURE)], [known(0.5, 0.07, UNSURE)], CONFIG) == []  # shifted
+
+
 def test_a_shape_stays_that_is_sure_or_leans_or_is_seen_no_better() -> None:
     better = fit_of(0.51, 0.09, SURE)
     assert findings([better], [known(0.5, 0.07, SURE)], CONFIG) == []
     assert findings([better], [known(0.5, 0.07, UNSURE, lean=0.1)], CONFIG) == []
-    assert findings([fit_of(0.51, 0.09, 0.9 * UNSURE)], [known(0.5, 0.07, UNSURE)], CONFIG) == []
+    assert findings([fit_of(0.5, 0.07, 0.9 * UNSURE)], [known(0.5, 0.07, UNSURE)], CONFIG) == []
 
 
 def test_only_what_is_beside_all_others_is_new() -> None:

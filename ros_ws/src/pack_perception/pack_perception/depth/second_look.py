@@ -1,9 +1,9 @@
 """A look while objects are pushed: what was hidden, and what is seen better than before.
 
 All but what is sure already is looked at as at the first time. What overlaps with an object that is known is
-that object, seen again: its shape is taken if it is surer. What overlaps with none is an object that nobody
-had seen. Both are believed once two looks in a row agree, as leaning objects and the arm's edges look like
-others for a moment.
+that object, seen again: its shape is taken if it is surer, or if it goes on where the known one ends, since
+what was seen is there. What overlaps with none is an object that nobody had seen. All are believed once two
+looks in a row agree, as leaning objects and the arm's edges look like others for a moment.
 """
 
 from __future__ import annotations
@@ -23,6 +23,8 @@ from pack_perception.perception_config import LookAgainConfig
 
 SAME = 0.5
 """Overlap of outlines, intersection over union, from which two are of one object."""
+MORE = 0.1
+"""Share of a known outline that another one has beyond it if it goes on there, and that it may lack."""
 APART = 0.1
 """Share of an outline that may be within others of an object that nobody had seen."""
 
@@ -77,7 +79,8 @@ def findings(
         overlaps = [overlap_of(outline, other) for other in outlines]
         best = int(np.argmax(overlaps)) if overlaps else -1
         if best >= 0 and overlaps[best] > SAME:
-            if known[best].may_be_replaced(config) and is_surer(fit, known[best], config):
+            is_better = is_surer(fit, known[best], config) or goes_on(outline, outlines[best])
+            if is_better and known[best].may_be_replaced(config):
                 results.append(LookFinding(fit, known[best].item.name))
         elif outline.intersection(shapely.union_all(outlines)).area < APART * outline.area:
             results.append(LookFinding(fit, None))
@@ -91,8 +94,15 @@ def confirmed(now: Sequence[LookFinding], before: Sequence[LookFinding]) -> list
 
 def is_surer(fit: SeenShape, known: KnownObject, config: LookAgainConfig) -> bool:
     """Whether the lengths of what was found are surer than those that are known, altogether."""
-    assert known.deviations is not None
-    return sum(fit.deviations.size[:2]) < config.surer * sum(known.deviations.size[:2])
+    return known.deviations is not None and sum(fit.deviations.size[:2]) < config.surer * sum(
+        known.deviations.size[:2]
+    )
+
+
+def goes_on(outline: shapely.Polygon, known: shapely.Polygon) -> bool:
+    """Whether an outline covers a known one, and clearly more."""
+    both = outline.intersection(known).area
+    return bool(both > (1.0 - MORE) * known.area and outline.area - both > MORE * known.area)
 
 
 def overlap_of(one: shapely.Polygon, other: shapely.Polygon) -> float:

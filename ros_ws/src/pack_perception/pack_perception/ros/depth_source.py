@@ -35,7 +35,7 @@ IMAGES = contracts.DEPTH_IMAGE_1, contracts.DEPTH_IMAGE_2
 INFOS = contracts.DEPTH_INFO_1, contracts.DEPTH_INFO_2
 """By camera, as config/cells/packing.yaml lists them."""
 COVERED = 0.1
-"""Share of its pixels that a depth camera at least measures when nothing covers it; it is 0.9."""
+"""Share of its pixels that a depth camera at least measures when nothing covers it; it is 0.8."""
 INTRINSICS = 0.5
 """Largest difference between a depth camera's intrinsics and those that are described [pixel]."""
 
