@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +12,6 @@ from pydantic import ValidationError
 
 from pack_core.motion.world import Obstacle
 from pack_core.palletizing.cell import PALLET, palletizing_cell
-from pack_core.palletizing.orders.order import Order
 from pack_core.palletizing.orders.order_file import load_order
 from pack_core.palletizing.ports import PalletObservation, ScanPlace
 from pack_core.palletizing.scanner import PlaceScan
@@ -33,18 +33,19 @@ from unit.pallet_fsm.whole_orders import given_order, plan_as_given
 CELL = palletizing_cell()
 SCANS = ScanConfig(near=10.0)
 """The fake arm leaps from one way-point to the next: it is looked past from wherever it hides nothing."""
-PLAIN = given_order(3)
-OVER_TABLE_B = load_order(config_path("scenarios", "palletizing", "by_hand.json"))
+PLAIN = config_path("orders", "order_03.json")
+OVER_TABLE_B = config_path("scenarios", "palletizing", "by_hand.json")
 """Its first box is stood up on table B, its second one stands on that."""
 STRANGER = (0.2, 0.2, 0.15)
 Hand = Callable[[FakeCell, str], None]
 
 
 def built(
-    order: Order, hand: Hand | None = None, moment: tuple[int, State] = (0, State.DONE),
+    path: Path, hand: Hand | None = None, moment: tuple[int, State] = (0, State.DONE),
     faults: Faults | None = None, profile: str = "blended",
 ) -> tuple[OrderReport, FakeCell, list[str]]:  # fmt: skip
     """An order with scans, a hand that reaches in once in a state of the n-th box, and the places scanned."""
+    order = load_order(path)
     name = order.boxes[moment[0]].id
     cell, scanned = FakeCell(order, faults or Faults()), list[str]()
     machine = Palletizer(
@@ -82,9 +83,9 @@ def put_on(place: str) -> Hand:
     return put
 
 
-@pytest.mark.parametrize("order", [PLAIN, OVER_TABLE_B], ids=["plain", "over table B"])
-def test_an_order_that_nobody_reaches_into_is_built_and_watched(order: Order) -> None:
-    report, _, scanned = built(order)
+@pytest.mark.parametrize("path", [PLAIN, OVER_TABLE_B], ids=["plain", "over table B"])
+def test_an_order_that_nobody_reaches_into_is_built_and_watched(path: Path) -> None:
+    report, _, scanned = built(path)
     assert report.is_complete
     assert not report.faults
     assert scanned.count(PALLET) > len(report.boxes)
@@ -116,14 +117,14 @@ def test_a_box_that_does_not_stay_on_table_b_is_skipped_with_what_would_stand_on
 
 
 @pytest.mark.parametrize(
-    ("order", "place", "where"),
+    ("path", "place", "where"),
     [(PLAIN, PALLET, "the pallet"), (OVER_TABLE_B, "reorientation_table", "table B")],
     ids=["pallet", "table B"],
 )
 def test_a_stranger_where_the_carried_box_is_to_stand_stops_the_arm_before_it_is_there(
-    order: Order, place: str, where: str
+    path: Path, place: str, where: str
 ) -> None:
-    report, cell, _ = built(order, put_on(place), (0, State.SAFE_PICK), profile="thesis")
+    report, cell, _ = built(path, put_on(place), (0, State.SAFE_PICK), profile="thesis")
     assert report.reason.startswith(f"seen on {where}: something of 0.")
     assert report.boxes[0].outcome is BoxOutcome.PENDING
     assert cell.grip.held == report.boxes[0].name
@@ -136,7 +137,7 @@ def test_a_scanner_that_never_answers_is_named() -> None:
 
 def looking(tool_y: float, measured: float = 1.0, scans: tuple[PlaceScan, ...] = ()) -> PalletObservation:
     """What is known with the tool this far from the pallet's middle, measured at this time [s]."""
-    cell = FakeCell(PLAIN, X_WT=Pose(np.array([-0.5, tool_y, 1.5]), LOOKING_DOWN))
+    cell = FakeCell(load_order(PLAIN), X_WT=Pose(np.array([-0.5, tool_y, 1.5]), LOOKING_DOWN))
     seen = cell.observe()
     return replace(seen, time=measured, motion=replace(seen.motion, time=measured), scans=scans)
 

@@ -13,6 +13,7 @@ from pack_core.packing.model import ArmRole, HeldRole, build_model
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_file import parse_scene
 from pack_core.rotations import Pose, from_yaw, rotate
+from pack_sim.packing import scene_generator
 from pack_sim.packing.scene_generator import generate_scene
 
 SEEDS = range(4)
@@ -108,9 +109,10 @@ def test_scenes_that_need_not_be_blocked_sometimes_are_not() -> None:
     assert any(is_free_on_a_grid(generate_scene(seed, packing_cell(), blocked=False)) for seed in SEEDS)
 
 
-def test_a_container_without_room_is_refused_by_name() -> None:
+def test_a_container_without_room_is_refused_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(scene_generator, "MAX_ATTEMPTS", 100)
     cell = packing_cell()
     small = cell.scene.container.model_copy(update={"size": (0.12, 0.12)})
     crowded = cell.model_copy(update={"scene": cell.scene.model_copy(update={"container": small})})
-    with pytest.raises(PackError, match=r"seed 7.*config/cells/packing\.yaml"):
+    with pytest.raises(PackError, match=r"seed 7.* 100 attempts.*config/cells/packing\.yaml"):
         generate_scene(7, crowded)
