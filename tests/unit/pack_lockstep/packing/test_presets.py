@@ -97,7 +97,8 @@ def test_the_steps_from_the_papers_system_lead_to_what_ships() -> None:
     shipped = lockstep_config(load_preset("ideal"))
     trigger = {"governor": {"trigger": shipped.simulator.governor.trigger}}
     ilqr = shipped.session.controller.ilqr.model_dump()  # which plans no more
-    last = load_preset("paper_press").over("sim", trigger).over("mpc", {"controller": {"ilqr": ilqr}})
+    mpc = {"controller": {"ilqr": ilqr}, "load": shipped.session.load.model_dump()}
+    last = load_preset("paper_press").over("sim", trigger).over("mpc", mpc)
     assert lockstep_config(last) == shipped
 
 
