@@ -182,13 +182,15 @@ def test_a_wrong_load_and_one_that_is_lost_unnoticed_are_named_and_a_right_one_i
     assert (heavy.success, heavy.exit_reason) == (False, "fault")
     assert "instead of" in heavy.message
     weigh(cell, 0.5)
-    handle = cell.pack()
-    cell.wait_for_motion()
-    lost_at = cell.time
-    weigh(cell, 1e-3)
-    lost = cell.graph.result_of(handle)
+    with slowly(cell.sim):  # a busy machine would lose it when it is among the others, where nobody weighs it
+        handle = cell.pack()
+        cell.wait_for_motion()
+        lost_at = cell.time
+        weigh(cell, 1e-3)
+        lost = cell.graph.result_of(handle)
+        took = cell.time - lost_at
     assert (lost.success, lost.exit_reason) == (False, "detached")
     assert "does not hang from it" in lost.message
-    assert cell.time - lost_at < 0.5 + LIMIT
+    assert took < 0.5 + LIMIT
     weigh(cell, 1e3)
     assert cell.graph.result_of(cell.pack()).exit_reason == "placed"
