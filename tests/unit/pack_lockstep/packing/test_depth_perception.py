@@ -3,6 +3,7 @@
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -142,6 +143,20 @@ def test_with_a_camera_that_was_knocked_nothing_is_looked_for() -> None:
     assert set(estimator.misplaced) == {0, 1}
     assert not estimator.knows_objects
     assert cell.seen().poses == {}
+
+
+def test_one_camera_alone_does_not_see_what_hangs_on_the_cup_all_around_and_says_so() -> None:
+    given = load_preset("unknown")
+    cell = LockstepCell(given.packing_cell(), scene(), lockstep_config(given), 0, lambda *_: None)
+    estimator = cell.estimator
+    assert isinstance(estimator, DepthEstimator)
+    see, first_alone = estimator.see, np.array([1.0, 0.0])[:, None, None]
+    with patch.object(estimator, "see", lambda frame: see(replace(frame, images=frame.images * first_alone))):
+        cell.settle()
+    assert not estimator.knows_objects
+    assert "is not seen all around by both cameras" in estimator.hindrance
+    cell.settle()
+    assert (estimator.knows_objects, estimator.hindrance) == (True, "")
 
 
 def test_while_the_cameras_are_covered_physics_carries_all_objects() -> None:

@@ -63,6 +63,7 @@ class DepthEstimator(HandOverEstimator):
             the list. Nothing is looked for while there are any.
         deviations: how sure looks were of the objects that they saw, by name.
         looked: when the images were exposed that the last look was made at [s]; nan before the first.
+        hindrance: what kept from a look at the newest images, in words; empty if nothing did.
     """
 
     def __init__(
@@ -74,7 +75,7 @@ class DepthEstimator(HandOverEstimator):
         self._told = self._placed = scene.container
         self.misplaced: dict[int, str] = {}
         self.deviations: dict[str, SeenDeviations] = {}
-        self.looked = float("nan")
+        self.looked, self.hindrance = float("nan"), ""
         self._needs_look, self._numbered = True, 0
         self._last_look, self._places = -np.inf, dict[str, Array]()
         self._unconfirmed: list[LookFinding] = []
@@ -99,7 +100,7 @@ class DepthEstimator(HandOverEstimator):
         if self.is_ahead(frame) or not self._history.covers(frame.time):
             return Correction(is_unused=True)
         if self._needs_look:
-            self._look(frame)
+            self.hindrance = self._look(frame)
         # with other objects the history begins anew, so that this frame has nothing more to correct
         if not self._history.covers(frame.time):
             return Correction()
@@ -165,23 +166,27 @@ class DepthEstimator(HandOverEstimator):
         super()._use(physics)
         self._surfaces = [ConvexSurface.of(self._scene.model_of(name)) for name in self._markers.names]
 
-    def _look(self, frame: DepthFrame) -> None:
-        """Find the objects that have no pose so far, and what hangs on the cup if nobody measured it."""
+    def _look(self, frame: DepthFrame) -> str:
+        """Find the objects that have no pose so far, and what hangs on the cup if nobody measured it.
+
+        Returns:
+            What keeps from it, in words; empty where nothing does.
+        """
         X_WN = None if self._measures_held else Pose(*np.split(self._poses(frame.time)[-1], [3]))
         if X_WN is not None and self._ceiling(self._scene, X_WN) < self._scene.container.height:
-            return  # the new object is among the others
-        if not len(scene_points([frame], self._cameras, np.inf, COARSE)):  # the cameras are covered
-            return
+            return "what hangs on the cup is among the objects in the container"
+        if not len(scene_points([frame], self._cameras, np.inf, COARSE)):
+            return "the cameras measure nothing: are they covered?"
         self._register(frame)
         if self.misplaced:
-            return
+            return "a camera hangs elsewhere than described"
         points, scene = scene_points([frame], self._cameras, np.inf), self._scene
         surely: dict[str, SeenDeviations] = {}
         if X_WN is None:
             X_WT = self._physics.cup_pose(self._history.at(frame.time))
             held = held_shape(points, self._cameras, X_WT, scene.new_object, self._depth)
             if held is None:
-                return
+                return f"'{scene.new_object.name}' on the cup is not seen all around by both cameras"
             scene = scene.model_copy(update={"new_object": held.item}).gripped(held.X_TN)
             X_WN, surely = X_WT @ held.X_TN, {held.item.name: held.deviations}
             self._measures_held = False
@@ -194,6 +199,7 @@ class DepthEstimator(HandOverEstimator):
         self._place(where, frame.time)
         self._needs_look = not np.all(self._is_known[: len(self._scene.objects)])
         self._note_places(frame.time)
+        return ""
 
     def _place(self, where: Mapping[str, Pose], time: float) -> None:
         """Put objects that had no pose so far where they were seen, X_WO by name."""

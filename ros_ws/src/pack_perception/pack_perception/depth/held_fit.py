@@ -34,7 +34,12 @@ TYPICAL = 8
 SPARSE = 0.2
 """Share of their points below which a layer is beneath the body: single points fly there."""
 SECTORS = 16
-"""Directions in which the body is seen to end below."""
+"""Directions in which the body's sides are seen, and where they end below."""
+HIDDEN = 0.05
+"""A direction with less than this share of the points of the best one is hidden: single points fly there."""
+ALL_AROUND = 12
+"""Directions of `SECTORS` that are seen of a body between two cameras: of a round one neither sees its sides
+where it looks along them. One camera alone sees half of them."""
 LOWEST = 3
 """Of the points in a sector so many fly; the next one is the lowest."""
 TOP = 0.01
@@ -168,14 +173,16 @@ def _body(p_S: Array, config: HeldFitConfig) -> Array | None:
     layers = len(counts) if not len(sparse) else int(sparse[0]) + 1
     # the layer in which it ends has few points
     body = near[near[:, 2] > -(layers + 1) * LAYER]
-    if layers < 3 or len(np.unique(_sectors(body))) < SECTORS:
+    # the top is left out: one camera alone sees it all around
+    in_sectors = np.bincount(_sectors(body[body[:, 2] < -TOP]), minlength=SECTORS)
+    if layers < 3 or np.count_nonzero(in_sectors > HIDDEN * in_sectors.max()) < ALL_AROUND:
         return None
     return np.asarray(body)
 
 
 def _sectors(body: Array) -> Labels:
-    """In which of `SECTORS` about their middle points `(n, 3)` are `(n,)`."""
-    x, y = (body[:, :2] - body[:, :2].mean(axis=0)).T
+    """In which of `SECTORS` about the cup's axis points `(n, 3)` are `(n,)`."""
+    x, y = body[:, :2].T
     return np.asarray(((np.arctan2(y, x) + np.pi) / (2.0 * np.pi) * SECTORS).astype(int) % SECTORS)
 
 

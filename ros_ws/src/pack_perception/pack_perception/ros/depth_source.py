@@ -110,7 +110,10 @@ class DepthSource:
         if estimator.knows_objects:
             return ""
         missing = [c.name for c, has in zip(INFOS, self._has_info, strict=True) if not has]
-        return f"no {', '.join(missing)} yet" if missing else "no look into the container yet"
+        if missing:
+            return f"no {', '.join(missing)} yet"
+        why = f": {estimator.hindrance}" if estimator.hindrance else ""
+        return f"no look into the container yet{why}"
 
     def _moved(self, estimator: DepthEstimator) -> str:
         """Cameras that hang elsewhere than described, in words."""
