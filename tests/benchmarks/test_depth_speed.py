@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
+from scipy.ndimage import median_filter
 
 from pack_core.joints import JointSample
 from pack_core.packing.cell import PackingCell
@@ -27,6 +28,8 @@ STEPS = 60
 """Of the physics before the images are taken [ms]."""
 ROUNDS = 3
 """How often each scene is looked at."""
+WINDOW = (1, 7, 7)
+"""Of the median filter that a look is compared with: camera, rows, columns [pixels]."""
 
 
 @dataclass(frozen=True)
@@ -65,25 +68,28 @@ def moments() -> list[Moment]:
     return found
 
 
-def median_time(benchmark: BenchmarkFixture, calls: list[Callable[[], object]]) -> float:
-    """Median processor time of some calls [s]: other work on the machine does not count."""
+def processor_time(call: Callable[[], object]) -> float:
+    """Processor time of a call [s]: other work on the machine does not count."""
+    start = time.process_time()
+    call()
+    return time.process_time() - start
+
+
+def test_a_look_takes_at_most_as_long_as_three_median_filters_of_its_images(
+    benchmark: BenchmarkFixture, moments: list[Moment]
+) -> None:
+    """The filter tells how fast the machine is now; on a quiet core a look takes 1.9 filters."""
+    moments[0].estimator().see(moments[0].frame)  # what is compiled or read at first does not count
+    looks = [(moment.estimator(), moment.frame) for moment in moments for _ in range(ROUNDS)]
     times = []
 
     def all_of_them() -> None:
-        for call in calls:
-            start = time.process_time()
-            call()
-            times.append(time.process_time() - start)
+        for estimator, frame in looks:
+            look = processor_time(lambda e=estimator, f=frame: e.see(f))  # type: ignore[misc]
+            times.append((look, processor_time(lambda f=frame: median_filter(f.images, WINDOW))))  # type: ignore[misc]
 
     benchmark.pedantic(all_of_them)
-    benchmark.extra_info["median_ms"] = 1e3 * float(np.median(times))
-    benchmark.extra_info["largest_ms"] = 1e3 * float(np.max(times))
-    return float(np.median(times))
-
-
-def test_a_look_takes_at_most_half_a_second(benchmark: BenchmarkFixture, moments: list[Moment]) -> None:
-    moments[0].estimator().see(moments[0].frame)  # what is compiled or read at first does not count
-    looks = [(moment.estimator(), moment.frame) for moment in moments for _ in range(ROUNDS)]
-    median = median_time(benchmark, [lambda e=e, f=f: e.see(f) for e, f in looks])  # type: ignore[misc]
     assert all(estimator.knows_objects for estimator, _ in looks)
-    assert median <= 0.5
+    look, filtered = np.median(times, axis=0)
+    benchmark.extra_info.update(look_ms=1e3 * look, filter_ms=1e3 * filtered)
+    assert look <= 3 * filtered

@@ -15,7 +15,6 @@ from pack_core.packing.cell import PackingCell
 from pack_core.packing.free_space import Fill, fill_of, is_packed
 from pack_core.packing.goals import Arrangement, FillMethod, PackingMethod
 from pack_core.packing.packing_list import PackingList
-from pack_core.packing.scene import Scene
 from pack_lockstep.packing.lockstep import LockstepCell, LockstepPlacements, Sense
 from pack_lockstep.packing.lockstep_config import LockstepConfig
 from pack_mpc.filling.fill_job import FillJob, FillReport
@@ -34,7 +33,7 @@ from pack_mpc.observation import PackingObservation, unseen_of
 from pack_mpc.session import PackingSession
 from pack_mpc.task.force_record import ForceRecord
 from pack_planner.filling.fill_planner import FillPlanner
-from pack_planner.placement.placement_planner import PlacementPlanner, PlacementPlanners
+from pack_planner.placement.placement_planner import PlacementPlanners
 
 
 @dataclass(frozen=True)
@@ -189,24 +188,20 @@ class FillLockstep:
             self.cell.estimator.take_hold()
         return reason
 
-    def _planner_of(self, scene: Scene) -> PlacementPlanner:
-        """The planner of a scene's placements."""
-        planners = PlacementPlanners(scene, self._physical, self._config.planner)
-        return planners.of(self._method.placement_variant)
-
     def _pack(self, request: Pack, on_step: Callable[[FillLockstep], None] | None) -> Packed:
         """Run a packing goal to its outcome, as `Lockstep.run` does."""
         scene, config = self.simulator.description.gripped(request.grip), self._config
-        planner = self._planner_of(scene)
-        number = len(self.job.report.objects)
-        placements = LockstepPlacements(planner, config, self._seed + 1000 * number, request.X_WN)
+        seed = self._seed + 1000 * len(self.job.report.objects)
+        placements = LockstepPlacements(
+            scene, self._physical, config, self._method.placement_variant, seed, request.X_WN
+        )
         session = PackingSession(
             scene, self._physical, config.session.of_goals(), PackingMethod.PACK_IT_IN, self.simulator.time
         )
         while session.task.outcome is None:
             seen = self._look()
             if session.follow(self.cell.known_scene):
-                placements.planner = self._planner_of(session.scene)
+                placements.follow(session.scene)
             placements.serve(session, seen)
             plan = session.step(seen, config.latency)
             self.cell.advance(config.latency)

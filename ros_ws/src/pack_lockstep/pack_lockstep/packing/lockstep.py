@@ -30,7 +30,7 @@ from pack_mpc.observation import PackingObservation, blind_for
 from pack_mpc.session import PackingSession
 from pack_mpc.task.task import PackingOutcome
 from pack_perception.mocap.hand_over_estimator import HandOverEstimator
-from pack_planner.placement.placement_planner import PlacementPlanner, PlacementPlanners
+from pack_planner.placement.placement_planner import PlacementPlanners
 from pack_planner.placement.placement_result import PlannedPlacement
 from pack_sim.packing.simulator import Simulator
 
@@ -120,20 +120,29 @@ class LockstepPlacements:
     """Plans a placement when a goal needs one, and hands it over once its planning time has passed.
 
     Args:
-        planner: of the goal's scene.
-        config: how long planning takes.
+        scene: the goal's scene, as it is known at first.
+        cell: the cell's physical facts.
+        config: how placements are planned, and how long that takes.
+        variant: of the planner; empty: the configured one.
         seed: seed of the placements.
         near: where the first placement is wanted, X_WN; None: wherever it disturbs least.
 
-    Attributes:
-        planner: of the goal's scene as it is known now.
+    Raises:
+        PackError: the new object does not fit into the container.
     """
 
     def __init__(
-        self, planner: PlacementPlanner, config: LockstepConfig, seed: int, near: Pose | None = None
-    ) -> None:
-        self.planner, self._config, self._seed, self._near = planner, config, seed, near
+        self, scene: Scene, cell: PackingCell, config: LockstepConfig, variant: str, seed: int,
+        near: Pose | None = None,
+    ) -> None:  # fmt: skip
+        self._cell, self._config, self._variant, self._seed, self._near = cell, config, variant, seed, near
         self._answer: tuple[float, PlannedPlacement] | None = None
+        self.follow(scene)
+
+    def follow(self, scene: Scene) -> None:
+        """Plan in the scene as it is known now."""
+        planners = PlacementPlanners(scene, self._cell, self._config.planner)
+        self._planner = planners.of(self._variant)
 
     def serve(self, session: PackingSession, seen: PackingObservation) -> PlannedPlacement | None:
         """Plan if the goal needs a placement, and hand over the last one if it is due.
@@ -143,7 +152,7 @@ class LockstepPlacements:
         """
         task, time, planned = session.task, seen.joints.time, None
         if self._answer is None and session.needs_placement(seen.scene):
-            planned = self.planner.plan(
+            planned = self._planner.plan(
                 seen.scene, np.random.default_rng(self._seed + len(task.avoid)), avoid=task.avoid,
                 avoid_radius=task.avoid_radius, lean=task.lean, near=self._near,
             )  # fmt: skip
@@ -195,10 +204,7 @@ class Lockstep:
         self._cell.settle()
         known = self._cell.known_scene
         self._seen = self._cell.seen()
-        self._planner_of: Callable[[Scene], PlacementPlanner] = lambda scene: PlacementPlanners(
-            scene, cell, config.planner
-        ).of(method.placement_variant)
-        self._placements = LockstepPlacements(self._planner_of(known), config, seed)
+        self._placements = LockstepPlacements(known, cell, config, method.placement_variant, seed)
         self._start = self.simulator.time
         self.session = PackingSession(known, cell, config.session, method, self._start)
 
@@ -215,7 +221,7 @@ class Lockstep:
                 self._wait(seen, on_step)
                 continue
             if session.follow(self._cell.known_scene):
-                self._placements.planner = self._planner_of(session.scene)
+                self._placements.follow(session.scene)
             if (placement := self._placements.serve(session, seen)) is not None:
                 self._log.place(placement)
             plan = session.step(seen, self._config.latency)
