@@ -8,7 +8,7 @@ from pack_core.packing.topics import JOINT_STATES, MARKERS
 from pack_evaluation.bag import Bag
 from pack_evaluation.track import Track
 from pack_lockstep.packing.lockstep_config import PackingPreset
-from pack_lockstep.packing.replay import TOPICS, estimate_again, replay_perception
+from pack_lockstep.packing.perception_replay import TOPICS, estimate_again, replay_perception
 from replay.sample import COUNTS, sample, sample_run
 
 

@@ -6,7 +6,7 @@ import pytest
 from pack_core.errors import BagError
 from pack_core.packing.topics import SCENE, SETTLED_SAMPLES
 from pack_lockstep.packing.lockstep_config import PackingPreset, load_preset
-from pack_lockstep.packing.replay import replay_planner, requests
+from pack_lockstep.packing.planner_replay import replay_planner, requests
 from replay.sample import COUNTS, SEED, sample, sample_run
 
 

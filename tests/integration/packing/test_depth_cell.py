@@ -17,7 +17,7 @@ from pack_core.ros.messages.scene import from_scene
 from pack_evaluation.bag import read_bag
 from pack_evaluation.packing.from_bag import load_run
 from pack_lockstep.packing.lockstep_config import load_preset
-from pack_lockstep.packing.replay import replay_perception
+from pack_lockstep.packing.perception_replay import replay_perception
 
 FACTOR = 0.2
 

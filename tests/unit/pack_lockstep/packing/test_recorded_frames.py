@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from pack_lockstep.packing.replay import expected_count
+from pack_lockstep.packing.recorded_frames import expected_count
 
 
 def frames(rate: float, seconds: float = 4.0) -> np.ndarray:
