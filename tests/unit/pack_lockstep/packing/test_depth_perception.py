@@ -135,7 +135,7 @@ def test_what_comes_into_sight_while_others_are_pushed_is_one_more_object() -> N
 
 
 def test_with_a_camera_that_was_knocked_nothing_is_looked_for() -> None:
-    given = load_preset("unknown").over("cell", {"depth": {"noise": {"mount_position": 0.01}}})
+    given = load_preset("unknown").over("cell", {"depth": {"noise": {"mount_position": 0.02}}})
     cell = LockstepCell(given.packing_cell(), scene(), lockstep_config(given), 0, lambda *_: None)
     cell.settle()
     estimator = cell.estimator
@@ -283,7 +283,14 @@ def test_calibrated_cameras_tell_where_the_container_is() -> None:
     for _ in range(20):
         simulator.step()
         estimator.advance(simulator.joints())
-    estimator.see(system.capture(simulator.model, simulator.data, simulator.time))
+    frame = system.capture(simulator.model, simulator.data, simulator.time)
+    first, second = system.cameras
+    knocked = Pose(np.add(second.X_WC.p, [0.0, 0.0, 0.002]), second.X_WC.q)
+    doubtful = DepthEstimator(told, cell, config.estimator, [first, replace(second, X_WC=knocked)])
+    doubtful.advance(simulator.joints())
+    doubtful.see(frame)
+    assert set(doubtful.misplaced.values()) == {"2 mm against the other camera"}
+    estimator.see(frame)
     assert len(estimator.scene.objects) == len(SPOTS)
     np.testing.assert_allclose(estimator.scene.container.centre, true, atol=3e-4)
     # with what is handed over next the container is told as it was described, and is known better

@@ -104,6 +104,14 @@ def test_a_capsule_goes_on_behind_what_hides_a_part_of_it() -> None:
     assert fit.X_WO.p[:2] == pytest.approx([0.5, 0.0], abs=0.003)
 
 
+def test_a_capsule_that_something_hides_obliquely_is_one_object() -> None:
+    sight = seen([ROLL], [(0.5, 0.0, 0.5)])
+    across = np.array([1.0, 3.0]) / np.hypot(1.0, 3.0)
+    (fit,) = look_without(lambda points: np.abs((points[:, :2] - [0.5, 0.0]) @ across) < 0.003, sight)
+    assert isinstance(fit.item, Capsule)
+    assert (fit.item.radius, fit.item.length) == pytest.approx((0.02, 0.12), abs=0.003)
+
+
 def test_an_end_that_nobody_saw_is_where_the_shortest_capsule_has_it() -> None:
     sight = seen([ROLL], [(0.5, 0.0, 0.0)])
     (fit,) = look_without(lambda points: points[:, 0] > 0.52, sight)

@@ -65,6 +65,24 @@ def test_a_camera_that_was_knocked_is_noticed(seed: int) -> None:
         assert not found_in(points, described).is_within(CONFIG)
 
 
+@pytest.mark.parametrize("camera", [0, 1])
+def test_a_container_that_stands_elsewhere_is_noticed_however_far_that_is(camera: int) -> None:
+    seen, _ = seen_by(0.0, 0.0, 0)
+    for way in range(0, 360, 45):
+        along = np.array([np.cos(np.deg2rad(way)), np.sin(np.deg2rad(way))])
+        for far in (0.01, 0.03, 0.05, 0.08, 0.12):
+            elsewhere = CONTAINER.model_copy(update={"centre": tuple(CONTAINER.centre + far * along)})
+            found = register(seen[camera], CELL.depth.cameras()[camera].X_WC.p, elsewhere, CONFIG)
+            assert found is not None
+            assert not found.is_within(CONFIG), (way, far, found)
+
+
+def test_what_is_seen_through_is_no_container() -> None:
+    through = Registration(MIDDLE, np.zeros(3), np.zeros(3), 0.5)
+    assert not through.is_within(CONFIG)
+    assert "more than the container can tell" in through.in_words()
+
+
 def test_its_correction_is_a_turn_about_the_containers_middle_and_a_shift() -> None:
     camera, turn = CELL.depth.cameras()[0], np.array([0.0, 0.0, 0.01])
     moved = Registration(MIDDLE, np.array([0.001, 0.0, 0.002]), turn).applied_to(camera).X_WC

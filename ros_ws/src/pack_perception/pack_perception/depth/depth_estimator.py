@@ -15,15 +15,15 @@ import shapely
 from pack_core.camera import PinholeCamera
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.depth import DepthFrame, points_of
-from pack_core.packing.free_space import footprint, is_packed
+from pack_core.packing.free_space import is_packed
 from pack_core.packing.objects import ObjectModel
 from pack_core.packing.scene import Scene
 from pack_core.packing.seen_deviations import SeenDeviations
 from pack_core.rotations import Array, Pose, conjugate, rotate
-from pack_perception.depth.held_fit import X_TS, held_shape
-from pack_perception.depth.look import SeenShape, look_at, off_container, scene_points
+from pack_perception.depth.held_fit import held_shape
+from pack_perception.depth.look import BELOW_HELD, SeenShape, look_at, off_arm, off_container, scene_points
 from pack_perception.depth.registration import register
-from pack_perception.depth.second_look import KnownObject, LookFinding, confirmed, findings, have_moved
+from pack_perception.depth.second_look import KnownObject, SecondLooks, with_shapes
 from pack_perception.depth.sight_lines import SightLines
 from pack_perception.depth.surface_fit import (
     ConvexSurface,
@@ -37,14 +37,10 @@ from pack_perception.mocap.hand_over_estimator import HandOverEstimator
 from pack_perception.mocap.physics_estimator import Correction
 from pack_perception.perception_config import Objects, PerceptionConfig
 
-BELOW_HELD = 0.01
-"""What is nearer to the lower end of the held object, or higher, is no content of the container [m]."""
 COARSE = 8
 """Every many pixels each way one tells whether a camera is covered."""
-ARM_REACH = 0.08
-"""What is higher than the cup, and nearer to its axis, is the pump [m]."""
-HIGH = 0.03
-"""Nothing that stands in the container is so much higher than all that is known to be there [m]."""
+AGREEMENT = 0.0015
+"""Calibrated cameras that see the container farther apart were knocked since [m]: ten times their error."""
 BESIDE = 0.03
 """From the container's walls; a new object farther away hides nothing in it [m]."""
 
@@ -77,8 +73,7 @@ class DepthEstimator(HandOverEstimator):
         self.deviations: dict[str, SeenDeviations] = {}
         self.looked, self.hindrance = float("nan"), ""
         self._needs_look, self._numbered = True, 0
-        self._last_look, self._places = -np.inf, dict[str, Array]()
-        self._unconfirmed: list[LookFinding] = []
+        self._looks = SecondLooks(config.depth.again)
         is_known = self._depth.objects is Objects.DESCRIBED
         super().__init__(scene if is_known else scene.model_copy(update={"objects": []}), cell, config)
 
@@ -105,7 +100,8 @@ class DepthEstimator(HandOverEstimator):
         if not self._history.covers(frame.time):
             return Correction()
         correction = self._track(frame)
-        if self._is_worth_a_look(frame.time):
+        is_unknown = self._depth.objects is Objects.UNKNOWN
+        if is_unknown and self._looks.is_worth_it(frame.time, self._places()):
             self._look_again(frame)
         return correction
 
@@ -144,8 +140,7 @@ class DepthEstimator(HandOverEstimator):
     def _start_over(self) -> None:
         super()._start_over()
         self._needs_look = True
-        self._last_look, self._places = -np.inf, {}
-        self._unconfirmed = []
+        self._looks.start_over()
         # one that is handed over is announced with its sizes
         self._measures_held = self._depth.objects is Objects.UNKNOWN and not self._scene.is_handed_over
         self._expect_announced()
@@ -198,7 +193,7 @@ class DepthEstimator(HandOverEstimator):
             where = self._look_for_described(points, frame)
         self._place(where, frame.time)
         self._needs_look = not np.all(self._is_known[: len(self._scene.objects)])
-        self._note_places(frame.time)
+        self._looks.note(frame.time, self._places())
         return ""
 
     def _place(self, where: Mapping[str, Pose], time: float) -> None:
@@ -211,62 +206,33 @@ class DepthEstimator(HandOverEstimator):
         self._correct_free(rows, seen[rows], self._physics.poses()[rows], time)
         self._seen[rows] = self._fitted[rows] = time
 
-    def _note_places(self, time: float) -> None:
-        """Remember where everything was when it was looked at."""
-        self._last_look, self._places = time, self._places_now()
-
-    def _places_now(self) -> dict[str, Array]:
+    def _places(self) -> dict[str, Array]:
         """Positions `(3,)` [m] of the objects in the container, by name."""
         return dict(zip(self._physics.free, self._physics.poses()[:, :3], strict=True))
 
-    def _is_worth_a_look(self, time: float) -> bool:
-        """Whether another look may show more than the last one, where nobody described what is there."""
-        config = self._depth.again
-        if self._depth.objects is not Objects.UNKNOWN or time - self._last_look < config.period:
-            return False
-        return bool(self._unconfirmed) or have_moved(self._places_now(), self._places, config)
-
     def _look_again(self, frame: DepthFrame) -> None:
         """Take up what two looks in a row have seen: objects that are new, and shapes that are surer."""
-        names, poses = self._markers.names, self._poses(frame.time)
-        here = {name: Pose(*np.split(pose, [3])) for name, pose in zip(names, poses, strict=True)}
-        points = self._off_arm(scene_points([frame], self._cameras, np.inf), frame.time, poses)
-        free = self._physics.free
-        unsure = {item.name: self.deviations.get(item.name) for item in self._scene.objects}
-        known = [KnownObject(self._scene.model_of(name), here[name], unsure.get(name)) for name in free]
-        config = self._depth.again
-        sure = [footprint(item.item, item.X_WO) for item in known if not item.may_be_replaced(config)]
-        now = findings(self._seen_in(points, frame, sure), known, config)
-        taken, self._unconfirmed = confirmed(now, self._unconfirmed), now
-        self._note_places(frame.time)
-        if not taken:
-            return
-        self._unconfirmed = []
-        fits = {finding.name or finding.fit.item.name: finding.fit for finding in taken}
-        better = {
-            item.name: fits[item.name].item.model_copy(update={"name": item.name, "colour": item.colour})
-            for item in self._scene.objects
-            if item.name in fits
-        }
-        new = [finding.fit.item for finding in taken if finding.name is None]
-        objects = [*(better.get(item.name, item) for item in self._scene.objects), *new]
-        self._seen[[names.index(name) for name in better]] = -np.inf  # their poses are those of other shapes
-        self.change_scene(self._scene.model_copy(update={"objects": objects}))
-        self.deviations = {**self.deviations, **{name: fit.deviations for name, fit in fits.items()}}
-        self._place({name: fit.X_WO for name, fit in fits.items()}, frame.time)
-        self.looked = frame.time
-        self._note_places(frame.time)
-
-    def _off_arm(self, points: Array, time: float, poses: Array) -> Array:
-        """Those of `points` `(n, 3)` [m] that are neither of the held object nor of the arm."""
-        p_S = (self._physics.cup_pose(self._history.at(time)) @ X_TS).inverse().apply(points)
-        is_arm = (p_S[:, 2] > -BELOW_HELD) & (np.linalg.norm(p_S[:, :2], axis=1) < ARM_REACH)
-        is_arm |= points[:, 2] > self._scene.rim + HIGH
-        points = points[~is_arm]
-        if self._held < 0:
-            return points
-        p_N = rotate(conjugate(poses[-1, 3:]), points - poses[-1, :3])
-        return np.asarray(points[self._surfaces[-1].distances(p_N)[0] > BELOW_HELD])
+        poses = self._poses(frame.time)
+        free, surely = self._physics.free, {name: self.deviations.get(name) for name in self._scene.names}
+        known = [
+            KnownObject(self._scene.model_of(name), Pose(*np.split(pose, [3])), surely.get(name))
+            for name, pose in zip(free, poses[: len(free)], strict=True)
+        ]
+        X_WT, rim = self._physics.cup_pose(self._history.at(frame.time)), self._scene.rim
+        points = off_arm(scene_points([frame], self._cameras, np.inf), X_WT, rim)
+        if self._held >= 0:
+            p_N = rotate(conjugate(poses[-1, 3:]), points - poses[-1, :3])
+            points = points[self._surfaces[-1].distances(p_N)[0] > BELOW_HELD]
+        fits = self._looks.believed(self._seen_in(points, frame, self._looks.sure(known)), known)
+        if fits:
+            names = self._markers.names
+            # poses of those that are known are those of other shapes
+            self._seen[[names.index(name) for name in fits if name in names]] = -np.inf
+            self.change_scene(with_shapes(self._scene, fits))
+            self.deviations = {**self.deviations, **{name: fit.deviations for name, fit in fits.items()}}
+            self._place({name: fit.X_WO for name, fit in fits.items()}, frame.time)
+            self.looked = frame.time
+        self._looks.note(frame.time, self._places())
 
     def _seen_in(
         self, points: Array, frame: DepthFrame, known: Sequence[shapely.Polygon] = ()
@@ -329,7 +295,7 @@ class DepthEstimator(HandOverEstimator):
         elsewhere than described. Else the cameras are taken to be where the container, as they see it, says.
         """
         container, config, described = self._told, self._depth.registration, self._described
-        self.misplaced, shifts = {}, []
+        self.misplaced, shifts = {}, dict[int, Array]()
         for i, (camera, image) in enumerate(zip(described, frame.images, strict=True)):
             found = register(points_of(camera, image, self._depth.every), camera.X_WC.p, container, config)
             if found is None:  # too little to see: it stays where it was
@@ -337,11 +303,17 @@ class DepthEstimator(HandOverEstimator):
             if not found.is_within(config):
                 self.misplaced[i] = found.in_words()
             elif self._is_calibrated:
-                shifts.append(found.shift[:2])
+                shifts[i] = found.shift
             else:
                 self._cameras[i] = found.applied_to(camera)
-        if shifts:
-            x, y = container.centre - np.mean(shifts, axis=0)
+        if not shifts:
+            return
+        seen = np.array(list(shifts.values()))
+        apart = float(np.linalg.norm(np.ptp(seen, axis=0)))
+        if apart > AGREEMENT:  # nobody can say which of them it is
+            self.misplaced |= dict.fromkeys(shifts, f"{1e3 * apart:.0f} mm against the other camera")
+        else:
+            x, y = container.centre - seen.mean(axis=0)[:2]
             self._placed = container.model_copy(update={"centre": (float(x), float(y))})
 
     def _poses(self, time: float) -> Array:

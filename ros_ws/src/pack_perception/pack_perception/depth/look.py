@@ -18,7 +18,7 @@ from pack_core.packing.objects import Capsule
 from pack_core.packing.scene import Container
 from pack_core.packing.scene_item import colour_of
 from pack_core.packing.seen_deviations import SeenDeviations
-from pack_core.rotations import Array, yaw_of
+from pack_core.rotations import Array, Pose, yaw_of
 from pack_perception.depth.deviations import deviations_of
 from pack_perception.depth.height_map import (
     HeightMap,
@@ -33,9 +33,17 @@ from pack_perception.depth.shape_fit import FittedShape, candidates, worth
 from pack_perception.depth.sight_lines import SightLines
 from pack_perception.perception_config import DepthLookConfig
 
+BELOW_HELD = 0.01
+"""What is nearer to the lower end of the held object, or higher, is no content of the container [m]."""
+ARM_REACH = 0.08
+"""What is higher than the cup, and nearer to its axis, is the pump [m]."""
+HIGH = 0.03
+"""Nothing that stands in the container is so much higher than all that is known to be there [m]."""
 GAP = 7
 """Size of the square by which a top is widened to meet another one across a gap of unseen cells [cells]."""
 
+TOPMOST = 0.9
+"""Share of a top's cells below what counts as its height, as less or more is seen of round sides."""
 AXIS_SHARE = 0.7
 """Share of a capsule's radius beside its axis in which it is looked for behind a gap."""
 UNLIKELY_GAIN = 0.02
@@ -75,6 +83,13 @@ def off_container(points: Array, container: Container, on_wall: float) -> Array:
     is_beside = (x < x0 - t) | (x > x1 + t) | (y < y0 - t) | (y > y1 + t)
     is_above = z > container.height + on_wall
     return np.asarray(points[(z > on_wall) & (is_between | is_beside | is_above)])
+
+
+def off_arm(points: Array, X_WT: Pose, rim: float) -> Array:
+    """Those of `points` `(n, 3)` [m] that are not of the arm; `rim` is the scene's [m]."""
+    p_T = X_WT.inverse().apply(points)  # the cup's z axis points away from the arm
+    is_pump = (p_T[:, 2] < BELOW_HELD) & (np.linalg.norm(p_T[:, :2], axis=1) < ARM_REACH)
+    return np.asarray(points[~is_pump & (points[:, 2] <= rim + HIGH)])
 
 
 def look_at(
@@ -126,24 +141,25 @@ def _named(fit: FittedShape, name: str, heights: HeightMap, config: DepthLookCon
 def _joined(masks: list[Mask], heights: HeightMap, config: DepthLookConfig) -> list[Mask]:
     """The regions, those joined that a gap in what was seen has cut: one simple shape explains both."""
     for a, b in combinations(masks, 2):
-        if not _may_be_one(a, b, heights, config):
-            continue
-        whole, parts = _best(a | b, heights, config), _parts([a, b], heights, config)
-        apart = overlap([(fit.item, fit.X_WO) for _, fit in parts], a | b, heights)
-        if whole is not None and whole.item.shape != "mesh" and whole.score >= apart - config.gain:
+        if _is_one(a, b, heights, config):
             rest = [mask for mask in masks if mask is not a and mask is not b]
             return _joined([a | b, *rest], heights, config)
     return masks
 
 
-def _may_be_one(a: Mask, b: Mask, heights: HeightMap, config: DepthLookConfig) -> bool:
-    """Whether two tops are flat, as high as each other, and beside each other."""
-    levels = [np.nanmedian(heights.tops[mask]) for mask in (a, b)]
-    if abs(levels[0] - levels[1]) > config.heights.flat or not all(
-        is_flat(heights, mask, config.heights) for mask in (a, b)
-    ):
+def _is_one(a: Mask, b: Mask, heights: HeightMap, config: DepthLookConfig) -> bool:
+    """Whether two tops are as high as each other, beside each other, and of one simple shape."""
+    levels = [np.nanquantile(heights.tops[mask], TOPMOST) for mask in (a, b)]
+    wide = cv2.dilate(a.astype(np.uint8), np.ones((GAP, GAP), np.uint8)).astype(bool)
+    if abs(levels[0] - levels[1]) > config.heights.flat or not np.any(wide & b):
         return False
-    return bool(np.any(cv2.dilate(a.astype(np.uint8), np.ones((GAP, GAP), np.uint8)).astype(bool) & b))
+    are_flat = [is_flat(heights, mask, config.heights) for mask in (a, b)]
+    whole = _best(a | b, heights, config) if are_flat[0] == are_flat[1] else None
+    if whole is None or whole.item.shape == "mesh":
+        return False
+    parts = _parts([a, b], heights, config)
+    apart = overlap([(fit.item, fit.X_WO) for _, fit in parts], a | b, heights)
+    return whole.score >= apart - config.gain
 
 
 def _objects_of(mask: Mask, heights: HeightMap, config: DepthLookConfig) -> list[FittedShape]:

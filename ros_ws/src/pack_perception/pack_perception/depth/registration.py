@@ -1,7 +1,9 @@
 """Whether a depth camera hangs where it is described: the container that it sees is the reference.
 
 Base and walls of the container are known. The points near their surfaces are moved onto them by the method of
-Gauss and Newton; how far that is at the container is how far off the camera is there.
+Gauss and Newton; how far that is at the container is how far off the camera is there. A camera that was
+knocked farther than is searched can end in a place that fits less badly than others. It is told by what no
+camera can see: points behind the walls, on lines of sight that would pass through them.
 """
 
 from __future__ import annotations
@@ -21,6 +23,13 @@ from pack_perception.perception_config import RegistrationConfig
 Labels = npt.NDArray[np.int64]
 FaceTable = tuple[Labels, Array, Array, Array]
 
+SEEN_THROUGH = 0.1
+"""Share of the points at walls that are behind them from which the container is not where it was found."""
+BEHIND = 0.01
+"""What is so much farther away than a wall is behind it [m]."""
+EDGE = 0.002
+"""Lines of sight that pass a wall's edges within this may pass beside it [m]."""
+
 
 @dataclass(frozen=True)
 class Registration:
@@ -30,11 +39,13 @@ class Registration:
         middle: of the container, about which it turns `(3,)` [m].
         shift: of the container's middle from where it is seen to where it is `(3,)` [m].
         turn: rotation vector between the same `(3,)` [rad].
+        seen_through: share of the points at walls that are behind them, where that puts the container.
     """
 
     middle: Array
     shift: Array
     turn: Array
+    seen_through: float = 0.0
 
     def applied_to(self, camera: PinholeCamera) -> PinholeCamera:
         """The camera where it truly hangs."""
@@ -45,11 +56,13 @@ class Registration:
 
     def is_within(self, config: RegistrationConfig) -> bool:
         """Whether what the camera sees can be used."""
-        is_near = np.linalg.norm(self.shift) <= config.shift
+        is_near = np.linalg.norm(self.shift) <= config.shift and self.seen_through <= SEEN_THROUGH
         return bool(is_near and np.linalg.norm(self.turn) <= np.deg2rad(config.turn_deg))
 
     def in_words(self) -> str:
         """How far off, for people."""
+        if self.seen_through > SEEN_THROUGH:
+            return "more than the container can tell, through whose walls it would have to see"
         shift, turn = 1e3 * np.linalg.norm(self.shift), np.rad2deg(np.linalg.norm(self.turn))
         return f"{shift:.0f} mm and {turn:.1f} degrees"
 
@@ -76,7 +89,27 @@ def register(
     coarse = [_fitted(few, start, faces, reaches[:3], config) for start in starts]
     best = max(coarse, key=lambda found: _on_walls(few, found, faces, config.scale))
     found = _fitted(points, best, faces, reaches[2:], config)
-    return found if _on_walls(points, found, faces, config.scale) >= config.few else None
+    if _on_walls(points, found, faces, config.scale) < config.few:
+        found = starts[0]
+    q = exp(found.turn)
+    moved = middle + found.shift + rotate(q, points - middle)
+    on, behind = _at_walls(moved, middle + found.shift + rotate(q, p_WC - middle), container)
+    return replace(found, seen_through=behind / (on + behind)) if on + behind >= config.few else None
+
+
+def _at_walls(points: Array, p_WC: Array, container: Container) -> tuple[int, int]:
+    """How many points `(n, 3)` [m] are on walls as seen from p_WC `(3,)`, and how many are behind them."""
+    ways = points - p_WC
+    is_on, is_behind = np.zeros((2, len(points)), dtype=bool)
+    for low, high in _walls_of(container):
+        # in parts of the way to a point: where it enters a wall, and where it leaves that
+        with np.errstate(divide="ignore"):
+            ends = np.stack([low + EDGE - p_WC, high - EDGE - p_WC])[:, None] / ways
+        enters, leaves = ends.min(axis=0).max(axis=1), ends.max(axis=0).min(axis=1)
+        beyond = np.where(enters < leaves, (1.0 - enters) * np.linalg.norm(ways, axis=1), -np.inf)
+        is_behind |= beyond > BEHIND
+        is_on |= np.abs(beyond) <= BEHIND
+    return int(np.count_nonzero(is_on & ~is_behind)), int(np.count_nonzero(is_behind))
 
 
 def _fitted(
@@ -123,20 +156,24 @@ class Face:
 
 def faces_of(container: Container) -> list[Face]:
     """The base, with the table around, and all faces of the walls that may be seen."""
-    (x0, y0), (x1, y1) = container.lower, container.upper
-    t, h = container.wall, container.height
-    walls = (
-        ((x0 - t, y0 - t), (x0, y1 + t)), ((x1, y0 - t), (x1 + t, y1 + t)),
-        ((x0, y0 - t), (x1, y0)), ((x0, y1), (x1, y1 + t)),
-    )  # fmt: skip
     faces = [Face(2, 1.0, np.array([-np.inf, -np.inf, 0.0]), np.array([np.inf, np.inf, 0.0]))]
-    for (ax, ay), (bx, by) in walls:
-        low, high = np.array([ax, ay, 0.0]), np.array([bx, by, h])
+    for low, high in _walls_of(container):
         for axis, sign in ((0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0), (2, 1.0)):
             at = np.where(np.arange(3) == axis, low if sign < 0.0 else high, 0.0)
             others = np.arange(3) != axis
             faces.append(Face(axis, sign, np.where(others, low, at), np.where(others, high, at)))
     return faces
+
+
+def _walls_of(container: Container) -> list[tuple[Array, Array]]:
+    """The corners with the smallest and the largest coordinates of each wall `(3,)` [m]."""
+    (x0, y0), (x1, y1) = container.lower, container.upper
+    t, h = container.wall, container.height
+    sides = (
+        ((x0 - t, y0 - t), (x0, y1 + t)), ((x1, y0 - t), (x1 + t, y1 + t)),
+        ((x0, y0 - t), (x1, y0)), ((x0, y1), (x1, y1 + t)),
+    )  # fmt: skip
+    return [(np.array([*low, 0.0]), np.array([*high, h])) for low, high in sides]
 
 
 def _as_table(faces: Sequence[Face]) -> FaceTable:

@@ -15,6 +15,7 @@ import numpy as np
 import shapely
 
 from pack_core.packing.free_space import footprint
+from pack_core.packing.scene import Scene
 from pack_core.packing.scene_item import SceneItem
 from pack_core.packing.seen_deviations import SeenDeviations
 from pack_core.rotations import Array, Pose, rotate
@@ -66,6 +67,56 @@ class LookFinding:
     def agrees(self, other: LookFinding) -> bool:
         """Whether both are of one object at one place."""
         return self.name == other.name and overlap_of(_outline(self.fit), _outline(other.fit)) > SAME
+
+
+class SecondLooks:
+    """When to look again, and what to believe of it; it remembers the last look.
+
+    Args:
+        config: parameters.
+    """
+
+    def __init__(self, config: LookAgainConfig) -> None:
+        self._config = config
+        self.start_over()
+
+    def start_over(self) -> None:
+        """Forget all looks, as after a reset."""
+        self._time, self._places = -np.inf, dict[str, Array]()
+        self._unconfirmed: list[LookFinding] = []
+
+    def note(self, time: float, places: Mapping[str, Array]) -> None:
+        """Remember when it was looked [s], and where objects were then: positions `(3,)` [m] by name."""
+        self._time, self._places = time, dict(places)
+
+    def is_worth_it(self, time: float, places: Mapping[str, Array]) -> bool:
+        """Whether another look may show more than the last one; time [s] and places as in `note`."""
+        if time - self._time < self._config.period:
+            return False
+        return bool(self._unconfirmed) or have_moved(places, self._places, self._config)
+
+    def sure(self, known: Sequence[KnownObject]) -> list[shapely.Polygon]:
+        """Outlines of objects that are not looked for, as no look can know them better."""
+        return [footprint(one.item, one.X_WO) for one in known if not one.may_be_replaced(self._config)]
+
+    def believed(self, found: Sequence[SeenShape], known: Sequence[KnownObject]) -> dict[str, SeenShape]:
+        """What this look and the last one have both found: by the names of known objects, or by their own."""
+        now = findings(found, known, self._config)
+        taken = confirmed(now, self._unconfirmed)
+        self._unconfirmed = [] if taken else now
+        return {finding.name or finding.fit.item.name: finding.fit for finding in taken}
+
+
+def with_shapes(scene: Scene, fits: Mapping[str, SeenShape]) -> Scene:
+    """A scene whose objects have other shapes, by name, and their own names and colours; others are new."""
+    shapes = {name: fit.item for name, fit in fits.items()}
+    known = [
+        shapes.pop(one.name).model_copy(update={"name": one.name, "colour": one.colour})
+        if one.name in shapes
+        else one
+        for one in scene.objects
+    ]
+    return scene.model_copy(update={"objects": [*known, *shapes.values()]})
 
 
 def findings(
