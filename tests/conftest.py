@@ -15,9 +15,11 @@ from hypothesis import settings
 
 from closing_line import ClosingLine
 
-FIRST_TO_LAST = ("e2e", "unit", "architecture", "replay", "contract", "integration")
-"""Folders in the order in which they run: while one worker runs the demos, which are long and need most of
-the machine, the others run what waits for no clock."""
+FIRST_TO_LAST = ("e2e", "contract", "integration", "unit", "architecture", "replay")
+"""Folders in the order in which they run: first those whose tests wait, for simulated time or for a node to
+start, and those with the longest tests ahead."""
+COMPUTING = tuple(f"tests/{folder}/" for folder in ("unit", "architecture", "replay"))
+"""Folders whose tests wait for nothing: one worker runs these while the others wait."""
 LOCKS = pytest.StashKey[Path]()
 
 
@@ -70,10 +72,19 @@ def pytest_collection_finish() -> None:
 
 @pytest.hookimpl(optionalhook=True)  # of pytest-xdist
 def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> object:
-    """Give whole files to a worker, and all demos to one, as each of them starts five or six processes."""
+    """Give whole files to a worker, and all demos to one, as each of them starts five or six processes.
+
+    The last worker runs what computes as long as there is any, so that the processor is busy all the time.
+    """
     from xdist.scheduler import LoadFileScheduling
 
     class Scheduler(LoadFileScheduling):
+        def _assign_work_unit(self, node: object) -> None:
+            computing = next((scope for scope in self.workqueue if scope.startswith(COMPUTING)), None)
+            if node is self.nodes[-1] and computing is not None:
+                self.workqueue.move_to_end(computing, last=False)
+            super()._assign_work_unit(node)
+
         def _split_scope(self, nodeid: str) -> str:
             return "demos" if "_demo.py::" in nodeid else super()._split_scope(nodeid)
 

@@ -13,8 +13,10 @@ WATCHERS = {
     "mpc": ("sim", "recorder"),
     "recorder": ("mpc",),
 }
-ALWAYS = ("mpc", "recorder")
-"""The node that commands the arm, and the one that writes; the others take minutes more, in `make slow`."""
+ALWAYS = ("recorder",)
+"""The node that writes, without which a goal ends, too; the others take minutes more, in `make slow`. That
+the arm stops without the node that commands it is tested in one process, by
+tests/integration/packing/test_mpc_node.py, and with the driver as a process by tests/contract."""
 STOP_TIME = 0.1
 """Simulated time in which the arm stops [s]."""
 STILL = 0.05

@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 from e2e.command import alarms, output_of, pack
 from e2e.packing.cell import EASY_SCENE
 from pack_bringup.cli.main import app
+from pack_core.errors import PackError
 from pack_core.packing.scene_file import load_scene
 from pack_core.paths import ROOT_VARIABLE, project_root
 from pack_evaluation.packing.from_bag import load_run
@@ -70,7 +71,7 @@ def test_ctrl_c_ends_all_nodes_and_keeps_what_was_recorded(tmp_path: Path) -> No
     folder = tmp_path / "run"
     process = pack("demo", "packing", "--scene", EASY_SCENE, "--output", folder)
     assert process.stdout is not None
-    next(line for line in process.stdout if line.startswith("INSERT"))
+    next(line for line in process.stdout if line.startswith("PRE_PACK"))
     process.send_signal(signal.SIGINT)
     text = output_of(process)
     assert "stopped; what was recorded is in" in text
@@ -83,10 +84,10 @@ def test_ctrl_c_ends_all_nodes_and_keeps_what_was_recorded(tmp_path: Path) -> No
 def test_a_bad_scene_file_is_named_before_anything_is_started(tmp_path: Path) -> None:
     scene = tmp_path / "scene.yaml"
     scene.write_text(EASY_SCENE.read_text().replace("friction: 0.4", "friction: -1"))
-    process = pack("demo", "packing", "--scene", scene, "--output", tmp_path / "run")
-    text = output_of(process)
-    assert process.returncode == 2
-    assert "friction" in text
+    words = ["demo", "packing", "--scene", scene, "--output", tmp_path / "run"]
+    outcome = CliRunner().invoke(app, list(map(str, words)))
+    assert isinstance(outcome.exception, PackError)  # one line and exit code 2
+    assert "friction" in str(outcome.exception)
     assert not (tmp_path / "run").exists()
 
 

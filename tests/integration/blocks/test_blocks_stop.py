@@ -82,7 +82,12 @@ def begin(graph: Graph, number: int, q: np.ndarray) -> None:
     graph.wait_until(lambda: np.abs(joints(graph).v).max() > 0.6, 30.0)
 
 
-@pytest.mark.parametrize("sim", [BlocksSimNode, BlocksDriverNode], indirect=True)
+@pytest.mark.parametrize(
+    "sim",
+    # by trajectories the palletizing arm is, with a box, in tests/integration/palletizing/test_pallet_stop.py
+    [BlocksSimNode, pytest.param(BlocksDriverNode, marks=pytest.mark.long)],
+    indirect=True,
+)
 def test_a_stopped_arm_keeps_its_block_and_takes_the_next_move(
     graph: Graph, sim: BlocksSimNode, motion_node: MotionNode
 ) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -28,6 +29,7 @@ from pack_perception.depth.camera_calibration import (
     CameraCalibrationConfig,
     CameraCalibrationFailed,
     LocatedCamera,
+    doubts,
 )
 from pack_perception.depth.registration import Registration
 from pack_sim.packing.depth_cameras import DepthCameraSystem
@@ -75,8 +77,9 @@ def seen() -> Seen:
 
 @pytest.fixture(scope="module")
 def found(seen: Seen) -> tuple[LocatedCamera, ...]:
-    """The cameras, described where they hang but for what was drawn for them."""
-    return find_cameras(CELL, CELL.depth.cameras(), seen.views, CONFIG)
+    """The cameras, described 8 mm and 0.7 degrees from where they hang."""
+    described = [moved(camera, 0.008, 0.7) for camera in seen.cameras]
+    return find_cameras(CELL, described, seen.views, CONFIG)
 
 
 def aside(mount: DepthMount) -> DepthMount:
@@ -91,14 +94,16 @@ def moved(camera: PinholeCamera, shift: float, turn_deg: float) -> PinholeCamera
     return Registration(MIDDLE, shift * along, np.deg2rad(turn_deg) * about).applied_to(camera)
 
 
-def test_cameras_that_hang_8_mm_and_0_7_degrees_elsewhere_are_found(seen: Seen) -> None:
-    described = [moved(camera, 0.008, 0.7) for camera in seen.cameras]
-    for found, true in zip(find_cameras(CELL, described, seen.views, CONFIG), seen.cameras, strict=True):
-        middle = found.camera.X_WC.apply(true.X_WC.inverse().apply(MIDDLE))
+def test_cameras_that_hang_8_mm_and_0_7_degrees_elsewhere_are_found(
+    seen: Seen, found: tuple[LocatedCamera, ...]
+) -> None:
+    for one, true in zip(found, seen.cameras, strict=True):
+        middle = one.camera.X_WC.apply(true.X_WC.inverse().apply(MIDDLE))
         assert np.linalg.norm(middle - MIDDLE) < 3e-4
-        assert np.rad2deg(angle_between(found.camera.X_WC.q, true.X_WC.q)) < 0.06
+        assert np.rad2deg(angle_between(one.camera.X_WC.q, true.X_WC.q)) < 0.06
         # the standard deviations say so themselves, and are no larger than the accuracy that is asked for
-        assert np.linalg.norm(middle - MIDDLE) < 5.0 * found.sigma_shift < 1e-3
+        assert np.linalg.norm(middle - MIDDLE) < 5.0 * one.sigma_shift < 1e-3
+        assert doubts(one, CONFIG) == []
 
 
 def test_the_container_is_then_seen_in_its_place(seen: Seen, found: tuple[LocatedCamera, ...]) -> None:
@@ -121,10 +126,9 @@ def test_a_covered_lens_is_refused(seen: Seen) -> None:
         find_cameras(CELL, CELL.depth.cameras(), dark, CONFIG)
 
 
-def test_a_place_that_is_not_known_well_enough_is_refused(seen: Seen) -> None:
-    strict = CameraCalibrationConfig(sigma=1e-5)
-    with pytest.raises(CameraCalibrationFailed, match=r"its place is known to 0\.\d\d mm; allowed: 0\.01 mm"):
-        find_cameras(CELL, CELL.depth.cameras(), seen.views, strict)
+def test_a_place_that_is_not_known_well_enough_is_doubtful(found: tuple[LocatedCamera, ...]) -> None:
+    (doubt,) = doubts(found[0], CameraCalibrationConfig(sigma=1e-5))
+    assert re.search(r"its place is known to 0\.\d\d mm; allowed: 0\.01 mm", doubt)
 
 
 def test_cameras_that_are_knocked_meanwhile_are_refused(seen: Seen) -> None:
@@ -132,11 +136,9 @@ def test_cameras_that_are_knocked_meanwhile_are_refused(seen: Seen) -> None:
         find_cameras(CELL, CELL.depth.cameras(), seen.knocked, CONFIG)
 
 
-def test_a_camera_far_from_its_described_place_is_refused(seen: Seen) -> None:
-    described = [moved(camera, 0.02, 0.0) for camera in seen.cameras]
-    near = CameraCalibrationConfig(shift=0.015)
-    with pytest.raises(CameraCalibrationFailed, match=r"off by 20 mm and 0\.0 degrees; allowed: 15 mm"):
-        find_cameras(CELL, described, seen.views, near)
+def test_a_camera_far_from_its_described_place_is_doubtful(found: tuple[LocatedCamera, ...]) -> None:
+    (doubt,) = doubts(found[0], CameraCalibrationConfig(shift=0.005))
+    assert re.search(r"off by 8 mm and 0\.7 degrees; allowed: 5 mm", doubt)
 
 
 def test_its_file_is_for_the_preset_and_the_cameras_that_it_was_made_of(

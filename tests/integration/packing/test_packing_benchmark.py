@@ -28,7 +28,7 @@ from pack_lockstep.packing.benchmark import PackingBenchmark, run_scene
 from pack_lockstep.packing.settings import BenchmarkSettings, PackingSetup, SceneJob, scene_jobs, set_up
 from pack_mpc.task.look import LookConfig
 
-SHORT = 0.6
+SHORT = 0.45
 """Of simulated time for each goal [s]: a few iterations of the controller."""
 MEASURED = ("truth", "estimate")
 

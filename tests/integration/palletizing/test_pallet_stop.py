@@ -67,7 +67,12 @@ def begin(graph: Graph, number: int) -> None:
     graph.wait_until(lambda: np.abs(newest_joints(graph).v).max() > 0.8, 30.0)
 
 
-@pytest.mark.parametrize("sim", [PalletSimNode, PalletDriverNode], indirect=True)
+@pytest.mark.parametrize(
+    "sim",
+    # by setpoints the blocks' arm is stopped with a block, in tests/integration/blocks/test_blocks_stop.py
+    [pytest.param(PalletSimNode, marks=pytest.mark.long), PalletDriverNode],
+    indirect=True,
+)
 def test_a_stopped_arm_keeps_its_box_stays_where_it_is_and_takes_the_next_move(
     graph: Graph, sim: PalletSimNode, motion_node: MotionNode
 ) -> None:
