@@ -2,11 +2,20 @@
 
 import numpy as np
 
+from pack_core.packing.cell import packing_cell
 from pack_core.packing.objects import Box
 from pack_core.packing.seen_deviations import SeenDeviations
 from pack_core.rotations import Pose, exp
 from pack_perception.depth.look import SeenShape
-from pack_perception.depth.second_look import KnownObject, LookFinding, confirmed, findings, have_moved
+from pack_perception.depth.second_look import (
+    KnownObject,
+    LookFinding,
+    SecondLooks,
+    confirmed,
+    findings,
+    have_moved,
+    with_shapes,
+)
 from pack_perception.perception_config import LookAgainConfig
 
 CONFIG = LookAgainConfig()
@@ -68,3 +77,26 @@ def test_a_look_is_worth_it_once_something_has_moved_or_is_new() -> None:
     assert not have_moved({"seen_1": np.array([0.5 * CONFIG.moved, 0.0, 0.0])}, before, CONFIG)
     assert have_moved({"seen_1": np.array([2.0 * CONFIG.moved, 0.0, 0.0])}, before, CONFIG)
     assert have_moved({"seen_1": np.zeros(3), "seen_2": np.zeros(3)}, before, CONFIG)
+
+
+def test_two_looks_in_a_row_are_believed_and_the_second_one_waits() -> None:
+    looks, here = SecondLooks(CONFIG), {"seen_1": np.zeros(3)}
+    assert looks.is_worth_it(0.0, here)
+    looks.note(0.0, here)
+    assert not looks.is_worth_it(2.0 * CONFIG.period, here)
+    assert not looks.is_worth_it(0.5 * CONFIG.period, {"seen_1": np.ones(3)})
+    others, new = [known(0.5, 0.07, SURE)], fit_of(0.6, 0.04, SURE)
+    assert looks.believed([new], others) == {}
+    assert looks.is_worth_it(2.0 * CONFIG.period, here)  # what was seen once
+    assert looks.believed([new], others) == {"seen_9": new}
+    assert not looks.is_worth_it(2.0 * CONFIG.period, here)
+
+
+def test_a_better_known_object_keeps_its_name_and_colour_and_a_new_one_comes_last() -> None:
+    scene, better, new = packing_cell().scene, fit_of(0.5, 0.1, SURE), fit_of(0.6, 0.04, SURE)
+    name = scene.names[0]
+    after = with_shapes(scene, {name: better, "seen_9": new})
+    assert after.names == [*scene.names, "seen_9"]
+    assert after.objects[0].half_extents.tolist() == better.item.half_extents.tolist()
+    assert after.objects[0].colour == scene.objects[0].colour
+    assert after.objects[1:-1] == scene.objects[1:]
