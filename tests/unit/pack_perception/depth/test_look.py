@@ -175,6 +175,15 @@ def test_a_flat_top_that_a_gap_cuts_is_one_object() -> None:
     assert sorted(fit.item.size[:2]) == pytest.approx([0.06, 0.09], abs=0.003)
 
 
+def test_a_piece_that_something_cuts_off_a_top_belongs_to_it_however_small() -> None:
+    sight = seen([BOX], [(0.5, 0.0, 0.0)])
+    (fit,) = look_without(
+        lambda points: (np.abs(points[:, 0] - 0.532) < 0.003) & (points[:, 2] > 0.02), sight
+    )
+    assert isinstance(fit.item, Box)
+    assert sorted(fit.item.size[:2]) == pytest.approx([0.06, 0.09], abs=0.003)
+
+
 def test_objects_of_one_height_that_touch_are_two() -> None:
     left, right = look([CAN, BOX], [(0.42, 0.0, 0.0), (0.42 + 0.034 + 0.0455, 0.0, 0.0)])
     assert isinstance(left.item, Cylinder)

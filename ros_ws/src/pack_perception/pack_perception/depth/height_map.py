@@ -27,6 +27,8 @@ FEWEST = 2
 """Points that a cell's top has at least, or so many neighbours as `SUPPORT`."""
 SUPPORT = 3
 """Neighbours as high as a cell by which the only point in it is believed."""
+PIECE = 0.25
+"""Least size of a piece that something cut off a top, in parts of the smallest object."""
 MOST_NOTCHES = 5
 """Notches between which a region is cut, the deepest ones."""
 SHOULDER_SHARE = 0.4
@@ -132,6 +134,14 @@ def regions(heights: HeightMap, config: HeightMapConfig) -> list[Mask]:
         wide = cv2.morphologyEx(rest.astype(np.uint8), cv2.MORPH_OPEN, np.ones((EDGE, EDGE), np.uint8)) > 0
         found += _connected(tops, wide, step, 2.0 * least)
     return sorted(found, key=lambda mask: -mask.sum())
+
+
+def pieces(heights: HeightMap, found: Sequence[Mask], config: HeightMapConfig) -> list[Mask]:
+    """Level pieces `(nx, ny)` that are too small to be objects, as what hides a top cuts them off it."""
+    rest = (heights.tops > config.floor) & ~np.any([*found, np.zeros_like(heights.tops, bool)], axis=0)
+    least = config.min_area / heights.cell**2
+    parts = _connected(heights.tops, rest, config.jump, PIECE * least)
+    return [part for part in parts if is_flat(heights, part, config)]
 
 
 def _connected(tops: Array, cells: Mask, step: float, least: float) -> list[Mask]:

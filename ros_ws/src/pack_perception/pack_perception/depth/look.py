@@ -26,6 +26,7 @@ from pack_perception.depth.height_map import (
     halves,
     height_map,
     is_flat,
+    pieces,
     regions,
 )
 from pack_perception.depth.seen_region import overlap, seen_region
@@ -115,7 +116,7 @@ def look_at(
     taken = _within(known, heights)
     least = config.heights.min_area / heights.cell**2
     masks = [rest for mask in regions(heights, config.heights) if (rest := mask & ~taken).sum() >= least]
-    for mask in _joined(masks, heights, config):
+    for mask in _with_pieces(_joined(masks, heights, config), heights, config):
         rest = mask & ~taken
         if rest.sum() < least:
             continue
@@ -147,19 +148,38 @@ def _joined(masks: list[Mask], heights: HeightMap, config: DepthLookConfig) -> l
     return masks
 
 
+def _with_pieces(masks: Sequence[Mask], heights: HeightMap, config: DepthLookConfig) -> list[Mask]:
+    """The regions with what is cut off them and too small to be an object, where it has their shape."""
+    whole = list(masks)
+    for piece in pieces(heights, masks, config.heights):
+        for i, mask in enumerate(whole):
+            shape = _shape_of_both(mask, piece, heights, config)
+            alone = _best(mask, heights, config) if shape is not None else None
+            if shape is not None and alone is not None and shape.score >= alone.score - config.gain:
+                whole[i] = mask | piece
+                break
+    return whole
+
+
 def _is_one(a: Mask, b: Mask, heights: HeightMap, config: DepthLookConfig) -> bool:
-    """Whether two tops are as high as each other, beside each other, and of one simple shape."""
+    """Whether one simple shape explains two tops as well as two do."""
+    whole = _shape_of_both(a, b, heights, config)
+    if whole is None:
+        return False
+    parts = _parts([a, b], heights, config)
+    return whole.score >= overlap([(fit.item, fit.X_WO) for _, fit in parts], a | b, heights) - config.gain
+
+
+def _shape_of_both(a: Mask, b: Mask, heights: HeightMap, config: DepthLookConfig) -> FittedShape | None:
+    """The simple shape of two tops if they are as high as each other, and beside each other; else None."""
     levels = [np.nanquantile(heights.tops[mask], TOPMOST) for mask in (a, b)]
     wide = cv2.dilate(a.astype(np.uint8), np.ones((GAP, GAP), np.uint8)).astype(bool)
     if abs(levels[0] - levels[1]) > config.heights.flat or not np.any(wide & b):
-        return False
-    are_flat = [is_flat(heights, mask, config.heights) for mask in (a, b)]
-    whole = _best(a | b, heights, config) if are_flat[0] == are_flat[1] else None
-    if whole is None or whole.item.shape == "mesh":
-        return False
-    parts = _parts([a, b], heights, config)
-    apart = overlap([(fit.item, fit.X_WO) for _, fit in parts], a | b, heights)
-    return whole.score >= apart - config.gain
+        return None
+    if is_flat(heights, a, config.heights) != is_flat(heights, b, config.heights):
+        return None
+    whole = _best(a | b, heights, config)
+    return whole if whole is not None and whole.item.shape != "mesh" else None
 
 
 def _objects_of(mask: Mask, heights: HeightMap, config: DepthLookConfig) -> list[FittedShape]:
