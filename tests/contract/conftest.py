@@ -58,15 +58,16 @@ class PositionDriver:
 
 PACE = "--ros-args -p real_time_factor:=0.5"
 """Of a driver that is led for 0.2 s ahead: twice the pace, and a busy machine may halt the test for 0.4 s."""
-ALSO_AT_HAND = PositionDriver("blocks", f"python -m foreign_driver blocks {PACE}", ACTION)
-"""Run by `make slow`: the palletizing arm has the same controller, and it moves the arm of blocks in
-tests/integration/blocks/test_trajectories.py."""
 AT_HAND = (
     PositionDriver("palletizing", f"pack run pack_sim pallet_sim_node {PACE}"),
     PositionDriver("palletizing", f"python -m foreign_driver palletizing {PACE}", ACTION),
-    PositionDriver("blocks", f"pack run pack_sim blocks_sim_node {PACE}"),
-    ALSO_AT_HAND,
 )
+ALSO_AT_HAND = (
+    PositionDriver("blocks", f"pack run pack_sim blocks_sim_node {PACE}"),
+    PositionDriver("blocks", f"python -m foreign_driver blocks {PACE}", ACTION),
+)
+"""Run by `make slow`: the palletizing arm has the same node and the same controller. They move and stop the
+arm of blocks in tests/integration/blocks, test_blocks_stop.py and test_trajectories.py."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -99,10 +100,10 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         )
     if "position_driver" in metafunc.fixturenames:
         own = named(metafunc.config)
-        drivers = AT_HAND if own is None else tuple({own} if own.cell != "packing" else ())
+        drivers = AT_HAND + ALSO_AT_HAND if own is None else tuple({own} if own.cell != "packing" else ())
         params = [
             pytest.param(
-                driver, marks=pytest.mark.long if driver is ALSO_AT_HAND else (),
+                driver, marks=pytest.mark.long if driver in ALSO_AT_HAND else (),
                 id=f"{driver.cell}-{'trajectories' if driver.action else 'setpoints'}",
             )
             for driver in drivers

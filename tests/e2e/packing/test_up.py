@@ -11,10 +11,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from e2e.command import output_of, pack
 from e2e.packing.cell import EASY_SCENE
 from integration.harness import own_domain
+from pack_bringup.cli.main import app
+from pack_core.errors import PackError
 from pack_core.paths import bags_path
 from pack_evaluation.packing.from_bag import load_run
 from pack_evaluation.packing.run import Run
@@ -62,8 +65,7 @@ def test_a_cell_says_that_it_is_ready_takes_a_goal_and_ends_without_an_alarm(up:
     assert "the packing cell (mpc, perception, planner, recorder, sim) runs there" in output_of(other)
     assert other.returncode == 2
 
-    looking = pack("status", "--domain", up.domain)
-    shown = output_of(looking)
+    shown = CliRunner().invoke(app, ["status", "--domain", up.domain]).output
     assert len(re.findall(r"│ (sim|perception|planner|mpc|recorder) +│.*│ ready ", shown)) == 5, shown
 
     goal = pack("goal", "packing", "--domain", up.domain, "--scene", EASY_SCENE, "--seed", "4")
@@ -105,7 +107,6 @@ def test_a_node_that_fails_at_start_ends_the_cell_with_its_reason_and_the_log() 
 
 
 def test_a_goal_for_a_cell_that_does_not_run_names_what_starts_it() -> None:
-    sent = pack("goal", "palletizing", "--domain", str(own_domain()))
-    said = output_of(sent)
-    assert sent.returncode == 2
-    assert "`pack up palletizing` starts it" in said
+    sent = CliRunner().invoke(app, ["goal", "palletizing", "--domain", str(own_domain())])
+    assert isinstance(sent.exception, PackError)  # one line and exit code 2
+    assert "`pack up palletizing` starts it" in str(sent.exception)

@@ -70,7 +70,7 @@ def seen() -> Seen:
             late[number - 1], run.cameras = run.look()[None], true
 
     container = run.look()
-    views = run.views(postures(CELL), note)
+    views = run.views(postures(CELL)[: CONFIG.postures], note)
     knocked = [replace(view, images=late.get(i, view.images)) for i, view in enumerate(views)]
     return Seen(run.cameras.cameras, views, knocked, container)
 

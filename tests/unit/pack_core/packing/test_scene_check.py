@@ -3,12 +3,10 @@
 import pytest
 
 from pack_core.errors import ConfigError
-from pack_core.packing.cell import packing_cell
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_file import load_scene, parse_scene
 from pack_core.paths import config_path
 from pack_core.pose_config import PoseConfig
-from pack_sim.packing.scene_generator import generate_scene
 
 EXAMPLE = config_path("scenarios", "packing", "example.yaml")
 
@@ -73,12 +71,6 @@ def test_an_object_in_the_arm_is_refused() -> None:
 def test_a_quaternion_of_few_digits_is_brought_to_length_one() -> None:
     pose = PoseConfig(position=(0, 0, 0), quaternion=(0.707, 0.0, 0.0, 0.707)).to_pose()
     assert pose.q @ pose.q == pytest.approx(1.0, abs=1e-15)
-
-
-@pytest.mark.parametrize("seed", range(100, 106))
-def test_scenes_of_the_generator_pass(seed: int) -> None:
-    scene = generate_scene(seed, packing_cell())
-    assert parse_scene(scene.to_yaml(), "scene").names == scene.names
 
 
 @pytest.mark.parametrize(
