@@ -93,7 +93,7 @@ def test_an_obstacle_that_comes_along_is_kept_clear_of_in_physics(physics: Physi
     def world(time: float) -> list[Obstacle]:
         X_WO = Pose(start + time * v)
         if physics.tool:
-            gaps.append(box_distance(physics.tool[-1], np.eye(3), X_WO.p, 0.5 * size)[0])
+            gaps.append(box_distance(physics.tool[-1].copy(), np.eye(3), X_WO.p.copy(), 0.5 * size)[0])
         return [Obstacle("cart", X_WO, size, v, is_moving=True)]
 
     assert physics.run(MotionTarget(1, Path((PoseMove(ABOVE),))), world) is MotionState.REACHED

@@ -25,7 +25,7 @@ def target(*segments: PoseMove | Line | JointMove, obstacles: tuple[Obstacle, ..
 
 def clearance(loop: Loop, obstacle: Obstacle) -> float:
     """Least distance of the tool's point to a box that stands [m]."""
-    box = np.eye(3), obstacle.X_WO.p, 0.5 * obstacle.size
+    box = np.eye(3), obstacle.X_WO.p.copy(), 0.5 * obstacle.size
     return min(box_distance(p, *box)[0] for p in loop.tool)
 
 

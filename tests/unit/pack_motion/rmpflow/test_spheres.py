@@ -9,7 +9,7 @@ from pack_motion.rmpflow.spheres import box_distance, distance_curvature
 
 vectors = st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3).map(np.array)
 CENTRE, HALF = np.array([0.1, -0.2, 0.3]), np.array([0.3, 0.2, 0.1])
-R = to_matrix(exp(np.array([0.3, -0.5, 0.8])))
+R = np.ascontiguousarray(to_matrix(exp(np.array([0.3, -0.5, 0.8]))))  # as the policies have it
 H = 1e-5
 
 

@@ -53,7 +53,7 @@ def person(x: float, y: float, v: float = 0.0) -> Obstacle:
 def gap(arm: MotionArm, q: Array, who: Obstacle) -> float:
     """Distance of the arm, with the box, from somebody [m]."""
     b = with_carried(arm, Surrounding(carried=BOX))
-    box = np.eye(3)[None], who.X_WO.p[None], 0.5 * SIZE[None]
+    box = np.eye(3)[None], who.X_WO.p[None].copy(), 0.5 * SIZE[None]
     return float(separations(*arm.chain.links(q), b.link, b.R, b.p, b.half, *box, 10.0).min())
 
 
@@ -100,7 +100,7 @@ def test_a_person_who_walks_through_the_way_is_kept_clear_of_and_the_move_is_fin
         loop.controller.observe([late], loop.time - LATE)
         loop.step()
         p = arm.chain.forward_matrix(loop.q[-1])[1]
-        gaps.append(box_distance(p, np.eye(3), now.X_WO.p, 0.5 * SIZE)[0])
+        gaps.append(box_distance(p, np.eye(3), now.X_WO.p.copy(), 0.5 * SIZE)[0])
         reasons.append(loop.controller.status().reason)
         assert loop.controller.margin.value > -1e-3 or not loop.controller.is_under_way
     assert loop.controller.status().state is MotionState.REACHED

@@ -8,7 +8,15 @@ import pytest
 from pack_core.rotations import Array
 from pack_motion.safety.stop_ahead import rate_bounds, stop_ahead, ways_of_bodies
 
-ONE = np.array([[0.0, 0.0, 1.0]])
+
+def constant(values: object) -> Array:
+    """Read-only, as an arm's limits and axes are: for others all would be compiled anew."""
+    array = np.array(values, dtype=float)
+    array.flags.writeable = False
+    return array
+
+
+ONE = constant([[0.0, 0.0, 1.0]])
 FALL = 0.3
 
 
@@ -22,7 +30,7 @@ def even_plan(speed: float, duration: float = 4.0) -> tuple[Array, Array, Array,
 def test_a_joint_at_an_even_speed_stops_as_fast_as_its_rate_and_its_limit_let_it(
     speed: float, limit: float, T_s: float
 ) -> None:
-    way, braking, stopping = stop_ahead(*even_plan(speed), 0.4, 1.0, np.array([limit]), FALL, 0.12)
+    way, braking, stopping = stop_ahead(*even_plan(speed), 0.4, 1.0, constant([limit]), FALL, 0.12)
     assert stopping == pytest.approx(T_s, abs=1e-9)
     np.testing.assert_allclose(way[0], speed * 0.4)
     np.testing.assert_allclose(way[braking] - way[0], speed * 0.12, atol=1e-9)
@@ -30,21 +38,21 @@ def test_a_joint_at_an_even_speed_stops_as_fast_as_its_rate_and_its_limit_let_it
 
 
 def test_a_plan_that_stands_needs_no_time_to_stop_and_any_rate_will_do() -> None:
-    way, _, stopping = stop_ahead(*even_plan(0.0), 0.0, 0.0, np.array([1.0]), FALL, 0.1)
+    way, _, stopping = stop_ahead(*even_plan(0.0), 0.0, 0.0, constant([1.0]), FALL, 0.1)
     assert stopping == 0.0
     assert np.ptp(way) == 0.0
-    assert stop_ahead(*even_plan(0.0), 0.0, 1.0, np.array([1.0]), FALL, 0.1)[2] == 0.0
-    assert rate_bounds(np.zeros(1), np.zeros(1), 0.5, np.ones(1), FALL) == (-np.inf, np.inf)
+    assert stop_ahead(*even_plan(0.0), 0.0, 1.0, constant([1.0]), FALL, 0.1)[2] == 0.0
+    assert rate_bounds(np.zeros(1), np.zeros(1), 0.5, constant([1.0]), FALL) == (-np.inf, np.inf)
 
 
 def test_the_end_of_the_plan_is_the_end_of_the_stop() -> None:
-    way, _, stopping = stop_ahead(*even_plan(1.0), 3.9, 1.0, np.array([0.1]), FALL, 0.03)
+    way, _, stopping = stop_ahead(*even_plan(1.0), 3.9, 1.0, constant([0.1]), FALL, 0.03)
     assert way[-1, 0] == pytest.approx(4.0)
     assert stopping < 0.09
 
 
 def test_the_rate_keeps_the_limit_of_a_joint_that_brakes_already() -> None:
-    slowest, fastest = rate_bounds(np.array([1.0]), np.array([-2.0]), 1.0, np.array([2.0]), FALL)
+    slowest, fastest = rate_bounds(np.array([1.0]), np.array([-2.0]), 1.0, constant([2.0]), FALL)
     assert slowest == 0.0
     assert fastest == pytest.approx(1.0 / FALL)
 
@@ -53,8 +61,8 @@ def test_a_corner_of_a_turning_box_goes_along_its_arc() -> None:
     """A box at 1 m from the axis: its outer corners are at the root of 1.1^2 + 0.1^2 from it."""
     way = np.linspace(0.0, 0.5, 101)[:, None]
     before, after = ways_of_bodies(
-        ONE, np.zeros((1, 3)), way, 40, np.array([0]), np.eye(3)[None], np.array([[1.0, 0.0, 0.0]]),
-        np.full((1, 3), 0.1),
+        ONE, constant([[0.0, 0.0, 0.0]]), way, 40, np.array([0]), np.eye(3)[None],
+        np.array([[1.0, 0.0, 0.0]]), np.full((1, 3), 0.1),
     )  # fmt: skip
     radius = np.hypot(1.1, 0.1)
     np.testing.assert_allclose([before[0], after[0]], [0.2 * radius, 0.3 * radius], rtol=1e-4)

@@ -49,7 +49,8 @@ def test_a_place_is_taken_just_where_no_check_of_the_grown_stack_finds_a_new_fau
         is_fine = support_of(box, boxes).problem(SUPPORT) is None and not faults
         if before & _under(box, boxes):
             continue  # what tips or is overloaded already is not asked of this place alone
-        found = stands(stack, box.lower, box.upper, 6.0, Needs(SUPPORT.min_share, SUPPORT.min_margin, push))
+        lower = box.lower.copy()  # not read-only: as the search has it, for which this is compiled
+        found = stands(stack, lower, box.upper, 6.0, Needs(SUPPORT.min_share, SUPPORT.min_margin, push))
         assert found == is_fine, (p, faults)
         judged.append(is_fine)
     assert any(judged)
