@@ -88,3 +88,20 @@ def test_samples_that_come_seldom_weigh_nothing() -> None:
     for sample in list(motion(2.0, 0.0, load, FRICTION * LIMITS.effort))[::10]:
         scale.note(sample)
     assert scale.mass is None
+
+
+def test_an_arm_that_goes_by_jerks_weighs_nothing() -> None:
+    """A person who comes nearer slows the arm down by turns, for 16 ms each, which cancel out over two."""
+    scale, load = HandScale(CELL), CarriedLoad(CELL)
+    load.put_on(BoxBody("box", DIMS, 6.0), X_TB)
+    scale.put_on(np.array(DIMS), X_TB)
+    data, home, v_mean, jerk = mujoco.MjData(load.model), np.array(CELL.arm.home), 0.1, 0.4
+    for i in range(100):
+        phase = i % 8
+        a = jerk if phase < 4 else -jerk
+        v = np.full(6, v_mean + jerk * PERIOD * (phase if phase < 4 else 8 - phase))
+        data.qpos[:], data.qvel[:], data.qacc[:] = home + i * PERIOD * v_mean, v, a
+        mujoco.mj_inverse(load.model, data)
+        tau = data.qfrc_inverse + FRICTION * LIMITS.effort
+        scale.note(JointSample(i * PERIOD, np.array(data.qpos), v, tau))
+    assert scale.mass is None

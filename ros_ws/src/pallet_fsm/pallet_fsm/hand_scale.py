@@ -31,7 +31,8 @@ accelerates by nothing on average, but its torques are those of the brake."""
 MOVING = 0.01
 """A joint that is slower may stand, and friction that holds it has any value [rad/s]."""
 STEADY = 0.15
-"""Nothing is weighed while a joint accelerates more [rad/s^2]: gears wind up, and motors lead the links."""
+"""Nothing is weighed while a joint accelerates more from one sample to the next [rad/s^2]: gears wind up, and
+motors lead the links. An arm that a person slows down goes by jerks that may cancel out over two samples."""
 TARE = 200
 """Samples after which what was measured with an empty hand counts half as much: about 4 s of motion."""
 PRIOR = 20.0
@@ -96,6 +97,7 @@ class HandScale:
         self._samples.clear()
 
     def _use(self, before: JointSample, now: JointSample, after: JointSample) -> None:
+        halves = [(b.v - a.v) / (b.time - a.time) for a, b in ((before, now), (now, after))]
         a = (after.v - before.v) / (after.time - before.time)
         direction = np.where(np.abs(now.v) > MOVING, np.sign(now.v), 0.0)
         if not direction.any():
@@ -107,7 +109,7 @@ class HandScale:
             self._rubbed = keep * self._rubbed + direction * excess
             self._counts = keep * self._counts + np.abs(direction)
             return
-        if np.abs(a).max() > STEADY:
+        if np.abs(halves).max() > STEADY:
             return
         self.seconds += 0.5 * (after.time - before.time)
         # Least squares over all joints that move, each with the noise of its motor: a share of its effort.
