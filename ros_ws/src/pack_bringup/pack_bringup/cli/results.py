@@ -14,7 +14,7 @@ import typer
 from rich.text import Text
 
 from pack_bringup.cli.options import Jobs, Ray
-from pack_bringup.cli.terminal import notice, show_table
+from pack_bringup.cli.terminal import end_as_by_ctrl_c, notice, show_table
 
 if TYPE_CHECKING:
     from pack_lockstep.results.definitions import BenchmarkDefinition, Definitions
@@ -101,6 +101,7 @@ def run(
     if not wanted:
         typer.echo("all of these results are valid; --all measures them anew")
         return
+    end_as_by_ctrl_c()  # the benchmark would go on without this process
     failed = []
     for number, (name, definition) in enumerate(wanted.items(), 1):
         minutes = definition.minutes / (1 if definition.is_live else definition.jobs or jobs)
