@@ -22,6 +22,7 @@ from pack_sim.packing.depth_cameras import DepthCameraSystem
 from pack_sim.packing.scene_generator import generate_scene
 from pack_sim.packing.simulator import Simulator
 
+pytestmark = pytest.mark.benchmark
 SEEDS = range(3, 8)
 """Scenes that are looked at, of the seeds for tuning."""
 STEPS = 60

@@ -66,9 +66,10 @@ def test_a_goal_is_packed_as_in_lockstep_with_feedback_status_and_a_full_result(
     assert outcome["execution_time"] == result.execution_time
 
 
-def test_a_canceled_goal_ends_at_once_and_the_arm_holds(cell: Cell) -> None:
+def test_a_second_goal_is_refused_and_a_canceled_one_ends_at_once_and_the_arm_holds(cell: Cell) -> None:
     handle = cell.pack()
     cell.wait_for_motion()
+    assert cell.graph.refusal(contracts.PACK_OBJECT, PackObject.Goal()).startswith("a goal is in progress")
     with slowly(cell.sim):
         asked = cell.time
         handle.cancel_goal_async()
@@ -78,12 +79,6 @@ def test_a_canceled_goal_ends_at_once_and_the_arm_holds(cell: Cell) -> None:
     assert cell.time_to_rest(asked) < LIMIT
     cell.pack()
     cell.wait_for_motion()
-
-
-def test_a_second_goal_is_refused_while_one_is_in_progress(cell: Cell) -> None:
-    cell.pack()
-    assert cell.graph.refusal(contracts.PACK_OBJECT, PackObject.Goal()).startswith("a goal is in progress")
-    cell.wait_for_report("mpc", "a goal is in progress")
 
 
 def has_heard_all(cell: Cell) -> bool:

@@ -83,8 +83,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> ResultsFolder:
     return found
 
 
-def test_a_scene_in_this_process_with_two_threads_is_the_same_bit_for_bit(folder: ResultsFolder) -> None:
-    result = run_scene(short(threads=2), SceneJob("seed_3", 3))
+def test_a_scene_of_the_folder_in_this_process_with_two_threads_is_the_same_bit_for_bit(
+    folder: ResultsFolder,
+) -> None:
+    job = scene_jobs(BenchmarkSettings(scene_dir=folder.path / "scenes"), 3, 1)[0]
+    assert job.name == "seed_3"
+    result = run_scene(short(threads=2), job)
     assert result.run.iterations.times.size > 3
     assert_same(result.run, load(folder, "seed_3"))
 
@@ -139,13 +143,6 @@ def test_scenes_that_are_there_are_not_run_again(folder: ResultsFolder) -> None:
     wanted = scene_jobs(BenchmarkSettings(), 3, 2)
     assert folder.count(job.name for job in wanted) == 2
     assert measure_scenes(folder, short(), wanted, NoPool()) == []
-
-
-def test_a_scene_of_the_folder_runs_again_from_its_file(folder: ResultsFolder) -> None:
-    settings = BenchmarkSettings(scene_dir=folder.path / "scenes")
-    job = scene_jobs(settings, 3, 1)[0]
-    assert job.name == "seed_3"
-    assert_same(run_scene(short(), job).run, load(folder, "seed_3"))
 
 
 def test_results_of_other_settings_are_refused(folder: ResultsFolder) -> None:

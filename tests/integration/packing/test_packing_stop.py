@@ -8,7 +8,7 @@ import pytest
 from integration.harness import Graph
 from integration.packing.cell_rig import Cell
 from integration.packing.sim_rig import joint_samples, newest_joints, speeds
-from integration.simulation_rig import WHO, assert_no_jump, braking_time, pause, play, slowly, stop_arm
+from integration.simulation_rig import WHO, assert_no_jump, braking_time, pause, play, slowly
 from pack_core.robots.panda import PANDA
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
@@ -65,12 +65,14 @@ def test_a_stop_among_the_objects_keeps_the_object_and_the_next_goal_packs_it(
     assert (result.success, result.exit_reason) == (True, "placed"), result.message
 
 
-def test_a_stop_needs_no_other_node(cell: Cell) -> None:
+def test_a_stop_needs_no_other_node_and_a_reset_ends_it(cell: Cell) -> None:
     cell.pack()
     cell.wait_for_motion()
     for node in (cell.perception, cell.planner):
         cell.graph.stop(node)
     assert braking_time(cell.graph) < BRAKING
+    assert cell.graph.call(contracts.RESET, contracts.RESET.type.Request(seed=3)).success
+    cell.graph.wait_until(lambda: not cell.graph.probe.last(shared.ARM_STATE).is_stopped)
 
 
 def test_a_pause_stops_time_and_afterwards_the_goal_goes_on_without_a_jump_or_an_alarm(cell: Cell) -> None:
@@ -92,9 +94,3 @@ def test_a_pause_stops_time_and_afterwards_the_goal_goes_on_without_a_jump_or_an
     assert max(speeds(sample).max() for sample in samples if sample.time > stands) > 0.1
     handle.cancel_goal_async()
     assert cell.graph.result_of(handle).exit_reason == "canceled"
-
-
-def test_a_reset_releases_a_stopped_arm(cell: Cell) -> None:
-    stop_arm(cell.graph)
-    assert cell.graph.call(contracts.RESET, contracts.RESET.type.Request(seed=3)).success
-    cell.graph.wait_until(lambda: not cell.graph.probe.last(shared.ARM_STATE).is_stopped)
