@@ -11,7 +11,7 @@ hand, so that what is weighed is the difference, as with a scale that is set to 
 
 from __future__ import annotations
 
-from collections import deque
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
@@ -24,15 +24,14 @@ from pack_core.robots.kr210 import FRICTION, LIMITS
 from pack_core.rotations import Array, Pose
 
 STEP = 0.015
-"""Least time between two samples that are used [s]: accelerations are differences of their speeds."""
+"""Least time from a sample that is used to those whose speeds give its acceleration, before and after [s]."""
 GAP = 0.03
 """Samples that are farther apart are no neighbours [s]: an arm that brakes for late setpoints and goes on
 accelerates by nothing on average, but its torques are those of the brake."""
 MOVING = 0.01
 """A joint that is slower may stand, and friction that holds it has any value [rad/s]."""
 STEADY = 0.15
-"""Nothing is weighed while a joint accelerates more from one sample to the next [rad/s^2]: gears wind up, and
-motors lead the links. An arm that a person slows down goes by jerks that may cancel out over two samples."""
+"""Nothing is weighed while a joint accelerates more [rad/s^2]: gears wind up, and motors lead the links."""
 TARE = 200
 """Samples after which what was measured with an empty hand counts half as much: about 4 s of motion."""
 PRIOR = 20.0
@@ -53,7 +52,7 @@ class HandScale:
         self._bare, self._loaded = CarriedLoad(cell), CarriedLoad(cell)
         self._bare_data = mujoco.MjData(self._bare.model)
         self._loaded_data = mujoco.MjData(self._loaded.model)
-        self._samples: deque[JointSample] = deque(maxlen=3)
+        self._samples: list[JointSample] = []
         self._rubbed = PRIOR * FRICTION * LIMITS.effort
         self._counts = np.full(6, PRIOR)
         self._is_loaded = False
@@ -80,24 +79,26 @@ class HandScale:
         self._begin(is_loaded=False)
 
     def note(self, sample: JointSample) -> None:
-        """Take note of the joints; samples that are nearer than `STEP` to the last one are left out."""
+        """Take note of the joints; one sample in each `STEP` is used, and its neighbours for how it moves."""
         samples = self._samples
-        if samples and not STEP <= sample.time - samples[-1].time <= GAP:
-            if sample.time > samples[-1].time + GAP or sample.time < samples[-1].time:
-                samples.clear()
-            else:
-                return
+        if samples and sample.time == samples[-1].time:
+            return
+        if samples and not 0.0 < sample.time - samples[-1].time <= GAP:
+            samples.clear()
         samples.append(sample)
-        if len(samples) == samples.maxlen:
-            self._use(*samples)
+        if sample.time - samples[0].time >= 2.0 * STEP:
+            middle = next(i for i, one in enumerate(samples) if one.time - samples[0].time >= STEP)
+            self._use(samples, samples[middle])
+            del samples[:middle]
 
     def _begin(self, *, is_loaded: bool) -> None:
         self._is_loaded = is_loaded
         self._product = self._square = self.seconds = 0.0
         self._samples.clear()
 
-    def _use(self, before: JointSample, now: JointSample, after: JointSample) -> None:
-        halves = [(b.v - a.v) / (b.time - a.time) for a, b in ((before, now), (now, after))]
+    def _use(self, samples: Sequence[JointSample], now: JointSample) -> None:
+        """Use one of some samples that follow each other."""
+        before, after = samples[0], samples[-1]
         a = (after.v - before.v) / (after.time - before.time)
         direction = np.where(np.abs(now.v) > MOVING, np.sign(now.v), 0.0)
         if not direction.any():
@@ -109,7 +110,7 @@ class HandScale:
             self._rubbed = keep * self._rubbed + direction * excess
             self._counts = keep * self._counts + np.abs(direction)
             return
-        if np.abs(halves).max() > STEADY:
+        if not all(_is_steady(sample, now) for sample in samples):
             return
         self.seconds += 0.5 * (after.time - before.time)
         # Least squares over all joints that move, each with the noise of its motor: a share of its effort.
@@ -117,6 +118,14 @@ class HandScale:
         weights = np.abs(direction) / LIMITS.effort**2
         self._product += float(weights @ (per_kg * (excess - direction * self.friction)))
         self._square += float(weights @ per_kg**2)
+
+
+def _is_steady(sample: JointSample, other: JointSample) -> bool:
+    """Whether no joint has accelerated by more than `STEADY` from one sample to the other.
+
+    An arm that a person slows down goes by jerks that cancel out over some samples, but not over all.
+    """
+    return bool(np.abs(sample.v - other.v).max() <= STEADY * abs(sample.time - other.time))
 
 
 def _torques(model: mujoco.MjModel, data: mujoco.MjData, sample: JointSample, a: Array) -> Array:
