@@ -15,7 +15,11 @@ from multiprocessing import get_context
 
 ARMS = ("palletizing", "blocks")
 """Cells whose arms follow moves."""
-AT_IMPORT = ("pack_baselines.ilqr.riccati", "pack_perception.mocap.physics_estimator")
+AT_IMPORT = (
+    "pack_baselines.ilqr.riccati",
+    "pack_perception.depth.registration",
+    "pack_perception.mocap.physics_estimator",
+)
 """Modules that state the types of their functions, which are compiled when they are imported."""
 
 
