@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pack_core.rotations import Array, exp, to_matrix
-from pack_mpc.load_estimate import GRAVITY, LoadConfig, LoadEstimate
+from pack_mpc.load_estimate import BIAS_TIME, GRAVITY, LoadConfig, LoadEstimate
 
 MASS = 0.35
 PERIOD = 0.024
@@ -59,3 +59,18 @@ def test_false_alarms_are_as_rare_as_the_certainty_says() -> None:
     rng = np.random.default_rng(1)
     for seed in range(150):
         assert max(run([MASS] * 2 * SECOND, 1.5 * rng.normal(size=3), 0.5, seed)) < 0.99
+
+
+@pytest.mark.parametrize("size", [0.5, 1.5, 3.0])
+def test_a_bias_that_became_another_one_while_nothing_was_told_is_no_loss(size: float) -> None:
+    """Objects are pushed for 6 s between phases in which nothing but the held object bears on the cup."""
+    rng, alarms = np.random.default_rng(2), 0
+    for _ in range(50):
+        estimate, bias, largest = LoadEstimate(MASS, LoadConfig()), size * rng.normal(size=3), 0.0
+        for elapsed in 3 * [6.0, *10 * [PERIOD]]:
+            decay = np.exp(-elapsed / BIAS_TIME)
+            bias = decay * bias + size * np.sqrt(1.0 - decay**2) * rng.normal(size=3)
+            estimate.update(bias + 0.1 * rng.normal(size=3), np.eye(3), NONE, elapsed)
+            largest = max(largest, estimate.wrong)
+        alarms += largest >= 0.99
+    assert alarms <= 1

@@ -54,6 +54,7 @@ class HeldWatch:
         self._half_diagonal = float(np.linalg.norm(item.half_extents))
         self._estimate = LoadEstimate(item.mass, config)
         self._before: tuple[float, Array, Array] | None = None
+        self._noted: float | None = None
         self._is_named = False
 
     @property
@@ -88,7 +89,9 @@ class HeldWatch:
             return None
         # The middle of the interval is where its mean force counts; R turns by a few mrad within it.
         R_NW = 0.5 * (R + before[1]).T
-        self._estimate.update(forces.mean(axis=0), R_NW, (v - before[2]) / interval, interval)
+        elapsed = joints.time - (before[0] if self._noted is None else self._noted)
+        self._estimate.update(forces.mean(axis=0), R_NW, (v - before[2]) / interval, elapsed)
+        self._noted = joints.time
         return self._fault()
 
     def _fault(self) -> LoadFault | None:

@@ -20,7 +20,7 @@ prior p and the certainty c (Ville's inequality), as far as the sensor is as it 
 from __future__ import annotations
 
 import numpy as np
-from pydantic import Field, PositiveFloat
+from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.rotations import Array
@@ -36,7 +36,9 @@ LEAST, MOST = 0.5, 1.45
 BIASES = np.array([0.1, 0.5, 1.5, 3.0])
 """Standard deviations that a sensor's bias may have [N]."""
 BIAS_TIME = 5.0
-"""Time after which the bias is another one [s]."""
+"""Correlation time of the bias [s]."""
+SWING_TIME = 0.3
+"""Time in which what swings from a soft cup comes to rest after the arm has accelerated [s]."""
 
 
 class LoadConfig(Config):
@@ -47,6 +49,11 @@ class LoadConfig(Config):
     )
     misfit: PositiveFloat = Field(
         default=0.25, description="share of the inertial force by which it may be off within such an interval"
+    )
+    swing: NonNegativeFloat = Field(
+        default=0.0,
+        description="share by which it may be off while the object swings from a soft cup after the arm "
+        "has accelerated; 0: a rigid cup",
     )
     prior: float = Field(default=1e-2, gt=0, lt=1, description="share of objects of another mass")
     loss_rate: PositiveFloat = Field(default=1e-2, description="losses that go unnoticed [1/s]")
@@ -73,6 +80,7 @@ class LoadEstimate:
         self._weights = np.outer(prior, np.full(len(BIASES), 1.0 / len(BIASES)))
         self._means = np.zeros((*self._weights.shape, 3))
         self._variances = np.tile(BIASES**2, (len(SHARES), 1))
+        self._swing = 0.0
 
     @property
     def wrong(self) -> float:
@@ -89,22 +97,25 @@ class LoadEstimate:
         """Expected mass [kg]."""
         return float(self._weights.sum(axis=1) @ self._masses)
 
-    def update(self, force: Array, R_NW: Array, a_W: Array, interval: float) -> None:
-        """Take note of what was measured on average within an interval.
+    def update(self, force: Array, R_NW: Array, a_W: Array, elapsed: float) -> None:
+        """Take note of what was measured on average within an interval between two samples of the joints.
 
         Args:
             force: of the wrench, less the described weight, in axes of N `(3,)` [N].
             R_NW: orientation of the world's axes in N `(3, 3)`.
             a_W: acceleration of the object's centre of mass, without gravity, `(3,)` [m/s^2].
-            interval: its length [s].
+            elapsed: time since the last interval that was noted; of the first one its length [s].
         """
-        self._lose(self._config.loss_rate * interval)
-        # The bias is an Ornstein-Uhlenbeck process, of which a short while is a random walk.
-        variances = self._variances + BIASES**2 * (2.0 * interval / BIAS_TIME)
+        self._lose(1.0 - np.exp(-self._config.loss_rate * elapsed))
+        # The bias is an Ornstein-Uhlenbeck process.
+        decay = np.exp(-elapsed / BIAS_TIME)
+        self._means = decay * self._means
+        variances = decay**2 * self._variances + (1.0 - decay**2) * BIASES**2
         expected = R_NW @ (self._described * GRAVITY) - np.outer(self._masses, R_NW @ (a_W + GRAVITY))
         innovations = force - expected[:, None, :] - self._means
-        inertial = self._config.misfit * self._described * float(np.linalg.norm(a_W))
-        spread = variances + self._config.noise**2 + inertial**2
+        self._swing = max(float(np.linalg.norm(a_W)), self._swing * float(np.exp(-elapsed / SWING_TIME)))
+        inertial = max(self._config.misfit * float(np.linalg.norm(a_W)), self._config.swing * self._swing)
+        spread = variances + self._config.noise**2 + (self._described * inertial) ** 2
         # Each of the three axes is normal with the same variance.
         logs = -0.5 * (innovations**2).sum(axis=2) / spread - 1.5 * np.log(spread)
         gains = variances / spread
