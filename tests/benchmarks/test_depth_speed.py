@@ -76,7 +76,7 @@ def processor_time(call: Callable[[], object]) -> float:
     return time.process_time() - start
 
 
-def test_a_look_takes_at_most_as_long_as_three_median_filters_of_its_images(
+def test_a_look_takes_at_most_as_long_as_two_and_a_half_median_filters_of_its_images(
     benchmark: BenchmarkFixture, moments: list[Moment]
 ) -> None:
     """The filter tells how fast the machine is now; on a quiet core a look takes 1.9 filters."""
@@ -93,4 +93,4 @@ def test_a_look_takes_at_most_as_long_as_three_median_filters_of_its_images(
     assert all(estimator.knows_objects for estimator, _ in looks)
     look, filtered = np.median(times, axis=0)
     benchmark.extra_info.update(look_ms=1e3 * look, filter_ms=1e3 * filtered)
-    assert look <= 3 * filtered
+    assert look <= 2.5 * filtered

@@ -109,13 +109,12 @@ def test_the_arm_holds_while_the_cameras_see_nothing() -> None:
 
 def test_late_iterations_are_bridged_by_the_plan_before_them_and_the_arm_is_not_braked() -> None:
     """Of every eight plans two are never finished: the driver's setpoints get up to 0.144 s old."""
-    late = 2
     lockstep = Lockstep(packing_cell(), load_scene(EASY), lockstep_config(), PackingMethod.PACK_IT_IN, SEED)
     accept, follower = lockstep.simulator.accept, lockstep.simulator.follower
     plans, held, oldest = count(), [], [0.0, 0.0]
 
     def accept_some(setpoints: Setpoints) -> None:
-        if next(plans) % 8 >= late:
+        if next(plans) % 8 >= 2:
             accept(setpoints)
             oldest[0] = lockstep.simulator.time
 
@@ -127,6 +126,6 @@ def test_late_iterations_are_bridged_by_the_plan_before_them_and_the_arm_is_not_
     with patch.object(lockstep.simulator, "accept", accept_some):
         outcome = lockstep.run(note)
     assert outcome.success
-    assert oldest[1] == pytest.approx(late * lockstep_config().latency, abs=0.002)
+    assert oldest[1] == pytest.approx(2 * lockstep_config().latency, abs=0.002)
     assert len(held) > 10
     assert not any(held[1:]), "the first is from before the first plan"
