@@ -53,12 +53,12 @@ def test_in_the_model_it_is_a_capsule_that_adds_no_coordinates() -> None:
     np.testing.assert_allclose(model.geom("person").size[:2], [0.25, 0.65])
 
 
-@pytest.mark.parametrize("name", ["person", "robot", "forklift"])
+@pytest.mark.parametrize("name", ["person", "robot", "forklift", "worker"])
 def test_shipped_visitors_can_be_read(name: str) -> None:
     assert load_visitors(name)[0].duration > 1.0
 
 
 def test_unknown_visitors_are_refused_with_those_that_there_are() -> None:
     assert load_visitors("") == ()
-    with pytest.raises(ConfigError, match="'ghost'; there are: forklift, person, robot"):
+    with pytest.raises(ConfigError, match="'ghost'; there are: forklift, person, robot, worker"):
         load_visitors("ghost")

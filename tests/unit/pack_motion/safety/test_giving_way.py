@@ -24,6 +24,8 @@ CONFIG = motion_set("shipped")
 OVER, BESIDE = pose(-0.3, 0.5, 1.2), pose(0.3, 0.5, 1.2)
 LATE = 0.1
 """Age of an observation [s]."""
+EVERY = 8
+"""Cycles from an observation to the next one, as of the simulated sensor."""
 SIZE = np.array([0.5, 0.5, 1.8])
 BOX = CarriedBox(Pose(np.array([0.0, 0.0, 0.1])), np.array([0.4, 0.3, 0.2]))
 STANDS = 1e-3
@@ -86,6 +88,41 @@ def test_who_runs_at_the_arm_does_not_reach_it_before_it_stands(
             least = min(least, gap(arm, loop.q[-1], person(*p)))
     assert least > CONFIG.separation.intrusion
     assert np.all(loop.accelerations <= 1.001)
+
+
+def test_the_arm_goes_evenly_past_somebody_who_is_seen_now_and_then(arm: MotionArm) -> None:
+    """The age of an observation counts, yet the arm does not hurry after each and brake before the next."""
+    loop = Loop(arm)
+    loop.run(MotionTarget(1, Path((PoseMove(OVER),))))
+    first = len(loop.v)
+    loop.controller.command(MotionTarget(2, Path((PoseMove(BESIDE),))))
+    seen, step = person(1.25, 1.3), 0
+    while loop.controller.status().state is not MotionState.REACHED:
+        if step % EVERY == 0:
+            loop.controller.observe([seen], loop.time - LATE)
+        loop.step()
+        step += 1
+        assert loop.controller.margin.value >= 0.0 or not loop.controller.is_under_way
+    speeds = np.linalg.norm(loop.v[first:], axis=1)
+    ups_and_downs = np.abs(np.diff(speeds)).sum() / (2.0 * speeds.max())
+    assert ups_and_downs < 1.3  # 1 if it gets faster once and slower once
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_noise_of_the_sensor_takes_no_margin_away(arm: MotionArm, seed: int) -> None:
+    """Somebody walks past at 1.6 m/s; places and speeds have the noise that the sensor's filter leaves."""
+    rng, v = np.random.default_rng(seed), CONFIG.separation.person_speed
+    loop, step = Loop(arm), 0
+    loop.controller = MotionController(arm, without_policies(), 0.0, arm.home)
+    loop.controller.command(MotionTarget(1, Path((PoseMove(OVER), PoseMove(BESIDE)))))
+    while loop.controller.status().state is not MotionState.REACHED:
+        if step % EVERY == 0:
+            at = person(0.9, 4.0 - v * (loop.time - LATE), -v + rng.normal(0.0, 0.04))
+            noisy = replace(at, X_WO=Pose(at.X_WO.p + rng.normal(0.0, 0.006, 3)))
+            loop.controller.observe([noisy], loop.time - LATE)
+        loop.step()
+        step += 1
+        assert loop.controller.margin.value >= 0.0 or not loop.controller.is_under_way
 
 
 def test_a_person_who_walks_through_the_way_is_kept_clear_of_and_the_move_is_finished(arm: MotionArm) -> None:

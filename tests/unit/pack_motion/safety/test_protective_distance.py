@@ -11,7 +11,7 @@ from pack_motion.safety.protective_distance import PredictedStop, ProtectiveSepa
 
 CONFIG = ProtectiveSeparation(
     person_speed=1.6, top_speed=3.0, reaction=0.03, intrusion=0.1, seen_uncertainty=0.06,
-    robot_uncertainty=0.04, blind=0.5,
+    robot_uncertainty=0.04, reserve=0.0, speed_reserve=0.0, oldest=0.1, blind=0.5,
 )  # fmt: skip
 
 

@@ -38,6 +38,16 @@ class ProtectiveSeparation(Config):
     intrusion: NonNegativeFloat = Field(description="C, what reaches beyond what the sensor sees [m]")
     seen_uncertainty: NonNegativeFloat = Field(description="Z_d, of the position of whoever is seen [m]")
     robot_uncertainty: NonNegativeFloat = Field(description="Z_r, of the position of the robot [m]")
+    reserve: NonNegativeFloat = Field(
+        description="kept beyond S_p, for the noise of the next observation's place [m]"
+    )
+    speed_reserve: NonNegativeFloat = Field(
+        description="by which everybody may be seen to be faster next time, for the noise of speeds [m/s]"
+    )
+    oldest: PositiveFloat = Field(
+        description="age of an observation when the next one comes: the arm gets faster only as far as the "
+        "distance is kept until then [s]"
+    )
     blind: PositiveFloat = Field(
         description="age of the newest observation at which the arm stops, as if the sensor were dead [s]"
     )

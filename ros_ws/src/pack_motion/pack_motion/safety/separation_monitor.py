@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -62,9 +63,11 @@ class Margin:
 class SeparationMonitor:
     """Chooses the rate at which a plan is followed so that every margin stays at or above 0 in motion.
 
-    A stop along the plan is predicted anew in each cycle, from the present rate. The plan goes on at the
-    highest rate, of those that joints can reach within the cycle, from which the arm could still stop before
-    anybody comes as near as the standard allows; else it brakes as fast as its joints can.
+    A stop along the plan is predicted anew in each cycle, from the present rate. The rate rises to the
+    highest one, of those that joints can reach within the cycle, from which the arm could still stop before
+    anybody comes as near as the standard allows, also when the next observation is about to come. It falls,
+    as little as it must, where the arm could not stop if it had to now. Between the two it stays, or it would
+    rise after each observation and fall before the next one, as the age of the newest one counts.
 
     Args:
         config: the terms of the distance that do not depend on the motion.
@@ -81,43 +84,52 @@ class SeparationMonitor:
         """At the rate of the last cycle."""
 
     def rate(
-        self, plan: ReferenceTrajectory, clock: float, rates: tuple[float, float], q: Array, seen: Seen
+        self, plan: ReferenceTrajectory, clock: float, rates: tuple[float, float, float], q: Array, seen: Seen
     ) -> float:
         """The rate of the next cycle.
 
         Args:
             plan: the plan.
             clock: present time of the plan [s].
-            rates: the lowest rate that the joints can reach in a cycle, and the highest one that they can
-                reach and that is wished.
+            rates: the lowest rate that the joints can reach in a cycle, the present one, and the highest one
+                that they can reach and that is wished.
             q: commanded joint positions `(n,)` [rad]; away from the plan where the arm makes room.
             seen: who is seen.
         """
-        lowest, highest = rates
+        lowest, present, highest = rates
         if not seen.names:
             self.margin = Margin()
             return highest
-        b, distances = self._bodies, self._distances_from(seen)
-        gaps = distances.between(*b.moved(*self._chain.links(q)), seen.R, seen.p)
+        b, config = self._bodies, self._config
+        gaps = self._distances_from(seen).between(*b.moved(*self._chain.links(q)), seen.R, seen.p)
 
-        def margin(rate: float) -> Margin:
-            least = gaps - protective_distances(self._config, seen.speed, self._stop(plan, clock, rate, seen))
+        def margin(rate: float, age: float, speed_reserve: float = 0.0) -> Margin:
+            stop = self._stop(plan, clock, rate, age)
+            least = gaps - protective_distances(config, seen.speed + speed_reserve, stop)
             i, j = (int(k) for k in np.unravel_index(np.argmin(least), least.shape))
             return Margin(float(least[i, j]), float(gaps[i, j]), b.names[i], seen.names[j])
 
-        is_blind = seen.age > self._config.blind
-        self.margin = margin(lowest if is_blind else highest)
-        if is_blind or self.margin.value >= 0.0:
-            return lowest if is_blind else highest
-        rate, too_high = lowest, highest
-        self.margin = margin(rate)
-        for _ in range(HALVINGS if self.margin.value > 0.0 else 0):
-            middle = 0.5 * (rate + too_high)
-            found = margin(middle)
-            if found.value >= 0.0:
-                rate, self.margin = middle, found
-            else:
-                too_high = middle
+        def is_kept(rate: float) -> bool:
+            return margin(rate, seen.age, config.speed_reserve).value >= config.reserve
+
+        def is_kept_until_seen_again(rate: float) -> bool:
+            oldest = max(seen.age, config.oldest)
+            return margin(rate, oldest, config.speed_reserve).value >= config.reserve
+
+        present = min(max(present, lowest), highest)
+        if seen.age > config.blind:
+            rate = lowest
+        elif is_kept_until_seen_again(highest):
+            rate = highest
+        elif present < highest and is_kept_until_seen_again(present):
+            rate = _highest_of(is_kept_until_seen_again, present, highest)
+        elif is_kept(present):
+            rate = present
+        elif is_kept(lowest):
+            rate = _highest_of(is_kept, lowest, present)
+        else:
+            rate = lowest
+        self.margin = margin(rate, seen.age)
         return rate
 
     def bounds(self, v: Array, a: Array, rate: float) -> tuple[float, float]:
@@ -130,7 +142,7 @@ class SeparationMonitor:
             self._distances = BoxDistances(self._bodies.half, seen.half)
         return self._distances
 
-    def _stop(self, plan: ReferenceTrajectory, clock: float, rate: float, seen: Seen) -> PredictedStop:
+    def _stop(self, plan: ReferenceTrajectory, clock: float, rate: float, age: float) -> PredictedStop:
         reaction = self._config.reaction
         way, braking, stopping = stop_ahead(
             plan.times, plan.q, plan.v, plan.a, clock, rate, self._limit, self._time, reaction
@@ -138,4 +150,15 @@ class SeparationMonitor:
         b, chain = self._bodies, self._chain
         ways = ways_of_bodies(chain.axes, chain.points, way, braking, b.link, b.R, b.p, b.half)
         # Since they were seen, people have gone on, while the gaps are those from where the robot is now.
-        return PredictedStop(seen.age + reaction, stopping, *ways)
+        return PredictedStop(age + reaction, stopping, *ways)
+
+
+def _highest_of(is_kept: Callable[[float], bool], rate: float, too_high: float) -> float:
+    """The highest rate, from one that is kept to one that is not, to a part of `HALVINGS`."""
+    for _ in range(HALVINGS):
+        middle = 0.5 * (rate + too_high)
+        if is_kept(middle):
+            rate = middle
+        else:
+            too_high = middle
+    return rate

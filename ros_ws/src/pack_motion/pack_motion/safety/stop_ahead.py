@@ -55,7 +55,7 @@ def stop_ahead(
     """Joint positions `(K, n)` on the way to rest, the index at which braking begins, and T_s [s].
 
     For the reaction time the plan is followed on at `rate`; then the rate falls as fast as `rate_bounds` let
-    it. Rows are `STRIDE` steps apart, the first one is now.
+    it, also through a moment at which the plan rests. Rows are `STRIDE` steps apart, the first one is now.
 
     Args:
         times: of the plan's rows `(T,)` [s].
@@ -74,17 +74,20 @@ def stop_ahead(
         clock += min(left, STRIDE * STEP) * rate
         way[n] = _at(times, q, clock)
         n += 1
-    braking, stopping, steps = n - 1, 0.0, 0
+    braking, stopping, elapsed, steps = n - 1, 0.0, 0.0, 0
     while rate > 0.0 and clock < times[-1] and n < LONGEST - 1:
         slowest, _ = rate_bounds(_at(times, v, clock), _at(times, a, clock), rate, limit, time)
-        if slowest == -np.inf:
-            break  # the plan stands here
+        is_standing = slowest == -np.inf
+        if is_standing:
+            slowest = -1.0 / time
         # The last step ends where the rate does, so that T_s falls evenly from cycle to cycle.
         step = min(STEP, -rate / slowest) if slowest < 0.0 else STEP
         slower = max(rate + step * slowest, 0.0)
         clock += 0.5 * step * (rate + slower)
         rate = slower
-        stopping += step
+        elapsed += step
+        if not is_standing:
+            stopping = elapsed
         steps += 1
         if steps % STRIDE == 0:
             way[n] = _at(times, q, clock)

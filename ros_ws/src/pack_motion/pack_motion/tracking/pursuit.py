@@ -108,7 +108,8 @@ class ShapedPursuit(Pursuit):
         slowest, fastest = self._monitor.bounds(self._planned.v, self._planned.a, self.rate)
         lowest, highest = max(self.rate + h * slowest, 0.0), min(self.rate + h * fastest, 1.0)
         highest = min(max(wished, lowest), highest)
-        rate = self._monitor.rate(self.plan.trajectory, self._time, (lowest, highest), q, seen)
+        rates = lowest, self.rate, highest
+        rate = self._monitor.rate(self.plan.trajectory, self._time, rates, q, seen)
         is_held = rate < highest or self._monitor.margin.value < 0.0
         self._calm = 0.0 if is_held else self._calm + h
         return rate
