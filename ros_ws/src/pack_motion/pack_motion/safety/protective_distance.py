@@ -58,9 +58,9 @@ class PredictedStop:
     """How the k bodies of the robot come to rest if the stop is triggered now.
 
     Attributes:
-        reaction_time: T_r, from when people were seen until the robot brakes [s].
+        reaction_time: from now until the robot brakes [s].
         stopping_time: T_s, from then until it stands [s].
-        reaction_ways: the way of each body's fastest point that is left within T_r `(k,)` [m].
+        reaction_ways: the way of each body's fastest point until it brakes `(k,)` [m].
         stopping_ways: the same within T_s `(k,)` [m].
     """
 
@@ -70,7 +70,9 @@ class PredictedStop:
     stopping_ways: Array
 
 
-def protective_distances(config: ProtectiveSeparation, speeds: Array, stop: PredictedStop) -> Array:
+def protective_distances(
+    config: ProtectiveSeparation, speeds: Array, age: float, stop: PredictedStop
+) -> Array:
     """S_p of k bodies of the robot from m people `(k, m)` [m].
 
     Nobody is taken to be slower than a person who walks. The robot's ways count in whatever direction they
@@ -79,9 +81,11 @@ def protective_distances(config: ProtectiveSeparation, speeds: Array, stop: Pred
     Args:
         config: the terms that do not depend on the robot's motion.
         speeds: measured speed of each person `(m,)` [m/s].
+        age: time since they were measured [s]. It is part of T_r for people, who have gone on since; the
+            robot's way since then is in the distance already, if that is from where it is now.
         stop: how the robot comes to rest.
     """
     v_h = np.clip(speeds, config.person_speed, config.top_speed)
-    S_h = v_h * (stop.reaction_time + stop.stopping_time)
+    S_h = v_h * (age + stop.reaction_time + stop.stopping_time)  # v_h (T_r + T_s)
     ways = (stop.reaction_ways + stop.stopping_ways)[:, None]  # S_r + S_s
     return np.asarray(S_h + ways + config.intrusion + config.seen_uncertainty + config.robot_uncertainty)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 
@@ -96,18 +97,21 @@ class SeparationMonitor:
             q: commanded joint positions `(n,)` [rad]; away from the plan where the arm makes room.
             seen: who is seen.
         """
-        lowest, present, highest = rates
+        lowest, _, highest = rates
         if not seen.names:
             self.margin = Margin()
             return highest
         b, config = self._bodies, self._config
         gaps = self._distances_from(seen).between(*b.moved(*self._chain.links(q)), seen.R, seen.p)
 
+        @cache
+        def stop(rate: float) -> PredictedStop:
+            return self._stop(plan, clock, rate)
+
         def margin(rate: float, age: float, speed_reserve: float = 0.0) -> Margin:
-            stop = self._stop(plan, clock, rate, age)
-            least = gaps - protective_distances(config, seen.speed + speed_reserve, stop)
-            i, j = (int(k) for k in np.unravel_index(np.argmin(least), least.shape))
-            return Margin(float(least[i, j]), float(gaps[i, j]), b.names[i], seen.names[j])
+            S_p = protective_distances(config, seen.speed + speed_reserve, age, stop(rate))
+            i, j = (int(k) for k in np.unravel_index(np.argmin(gaps - S_p), gaps.shape))
+            return Margin(float(gaps[i, j] - S_p[i, j]), float(gaps[i, j]), b.names[i], seen.names[j])
 
         def is_kept(rate: float) -> bool:
             return margin(rate, seen.age, config.speed_reserve).value >= config.reserve
@@ -116,19 +120,8 @@ class SeparationMonitor:
             oldest = max(seen.age, config.oldest)
             return margin(rate, oldest, config.speed_reserve).value >= config.reserve
 
-        present = min(max(present, lowest), highest)
-        if seen.age > config.blind:
-            rate = lowest
-        elif is_kept_until_seen_again(highest):
-            rate = highest
-        elif present < highest and is_kept_until_seen_again(present):
-            rate = _highest_of(is_kept_until_seen_again, present, highest)
-        elif is_kept(present):
-            rate = present
-        elif is_kept(lowest):
-            rate = _highest_of(is_kept, lowest, present)
-        else:
-            rate = lowest
+        is_blind = seen.age > config.blind
+        rate = lowest if is_blind else _chosen(rates, is_kept, is_kept_until_seen_again)
         self.margin = margin(rate, seen.age)
         return rate
 
@@ -142,15 +135,31 @@ class SeparationMonitor:
             self._distances = BoxDistances(self._bodies.half, seen.half)
         return self._distances
 
-    def _stop(self, plan: ReferenceTrajectory, clock: float, rate: float, age: float) -> PredictedStop:
+    def _stop(self, plan: ReferenceTrajectory, clock: float, rate: float) -> PredictedStop:
         reaction = self._config.reaction
         way, braking, stopping = stop_ahead(
             plan.times, plan.q, plan.v, plan.a, clock, rate, self._limit, self._time, reaction
         )
         b, chain = self._bodies, self._chain
         ways = ways_of_bodies(chain.axes, chain.points, way, braking, b.link, b.R, b.p, b.half)
-        # Since they were seen, people have gone on, while the gaps are those from where the robot is now.
-        return PredictedStop(age + reaction, stopping, *ways)
+        return PredictedStop(reaction, stopping, *ways)
+
+
+def _chosen(
+    rates: tuple[float, float, float],
+    is_kept: Callable[[float], bool],
+    is_kept_until_seen_again: Callable[[float], bool],
+) -> float:
+    """The next rate, from the lowest, the present and the highest one; see `SeparationMonitor`."""
+    lowest, present, highest = rates
+    present = min(max(present, lowest), highest)
+    if is_kept_until_seen_again(highest):
+        return highest
+    if is_kept_until_seen_again(present):
+        return _highest_of(is_kept_until_seen_again, present, highest)
+    if is_kept(present):
+        return present
+    return _highest_of(is_kept, lowest, present) if is_kept(lowest) else lowest
 
 
 def _highest_of(is_kept: Callable[[float], bool], rate: float, too_high: float) -> float:
