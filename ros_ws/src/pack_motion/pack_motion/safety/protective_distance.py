@@ -32,8 +32,8 @@ class ProtectiveSeparation(Config):
     )
     top_speed: PositiveFloat = Field(description="v_h of whoever is seen to be faster [m/s]")
     reaction: PositiveFloat = Field(
-        description="part of T_r: a cycle, and what driver and joints are behind it; for people the age of "
-        "the newest observation at the time of the setpoint is added [s]"
+        description="part of T_r: a cycle, and what driver and joints are behind it; the age of the newest "
+        "observation at the time of the setpoint is added [s]"
     )
     intrusion: NonNegativeFloat = Field(description="C, what reaches beyond what the sensor sees [m]")
     seen_uncertainty: NonNegativeFloat = Field(description="Z_d, of the position of whoever is seen [m]")
@@ -58,13 +58,12 @@ class PredictedStop:
     """How the k bodies of the robot come to rest if the stop is triggered now.
 
     Attributes:
-        reaction_time: from now until the robot brakes [s].
-        stopping_time: T_s, from then until it stands [s].
-        reaction_ways: the way of each body's fastest point until it brakes `(k,)` [m].
+        stopping_time: T_s, from when it brakes until it stands [s].
+        reaction_ways: the way of each body's fastest point until then `(k,)` [m], from where the gaps are
+            measured: where the robot will be when it has caught up with what was asked of it.
         stopping_ways: the same within T_s `(k,)` [m].
     """
 
-    reaction_time: float
     stopping_time: float
     reaction_ways: Array
     stopping_ways: Array
@@ -81,11 +80,11 @@ def protective_distances(
     Args:
         config: the terms that do not depend on the robot's motion.
         speeds: measured speed of each person `(m,)` [m/s].
-        age: time since they were measured [s]. It is part of T_r for people, who have gone on since; the
-            robot's way since then is in the distance already, if that is from where it is now.
+        age: time since they were measured [s].
         stop: how the robot comes to rest.
     """
     v_h = np.clip(speeds, config.person_speed, config.top_speed)
-    S_h = v_h * (age + stop.reaction_time + stop.stopping_time)  # v_h (T_r + T_s)
+    T_r = age + config.reaction
+    S_h = v_h * (T_r + stop.stopping_time)
     ways = (stop.reaction_ways + stop.stopping_ways)[:, None]  # S_r + S_s
     return np.asarray(S_h + ways + config.intrusion + config.seen_uncertainty + config.robot_uncertainty)

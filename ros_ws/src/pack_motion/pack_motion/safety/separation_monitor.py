@@ -74,7 +74,7 @@ class SeparationMonitor:
         config: the terms of the distance that do not depend on the motion.
         arm: the arm.
         bodies: boxes around its links and what it carries.
-        time: from full rate to standing still, at least [s].
+        time: from standing still to full rate, at least [s].
     """
 
     def __init__(self, config: ProtectiveSeparation, arm: MotionArm, bodies: BodyBoxes, time: float) -> None:
@@ -85,11 +85,13 @@ class SeparationMonitor:
         """At the rate of the last cycle."""
 
     def rate(
-        self, plan: ReferenceTrajectory, clock: float, rates: tuple[float, float, float], q: Array, seen: Seen
-    ) -> float:
+        self, h: float, plan: ReferenceTrajectory, clock: float, rates: tuple[float, float, float], q: Array,
+        seen: Seen,
+    ) -> float:  # fmt: skip
         """The rate of the next cycle.
 
         Args:
+            h: duration of a cycle [s].
             plan: the plan.
             clock: present time of the plan [s].
             rates: the lowest rate that the joints can reach in a cycle, the present one, and the highest one
@@ -106,7 +108,7 @@ class SeparationMonitor:
 
         @cache
         def stop(rate: float) -> PredictedStop:
-            return self._stop(plan, clock, rate)
+            return self._stop(plan, clock, rate, h)
 
         def margin(rate: float, age: float, speed_reserve: float = 0.0) -> Margin:
             S_p = protective_distances(config, seen.speed + speed_reserve, age, stop(rate))
@@ -135,14 +137,11 @@ class SeparationMonitor:
             self._distances = BoxDistances(self._bodies.half, seen.half)
         return self._distances
 
-    def _stop(self, plan: ReferenceTrajectory, clock: float, rate: float) -> PredictedStop:
-        reaction = self._config.reaction
-        way, braking, stopping = stop_ahead(
-            plan.times, plan.q, plan.v, plan.a, clock, rate, self._limit, self._time, reaction
-        )
+    def _stop(self, plan: ReferenceTrajectory, clock: float, rate: float, h: float) -> PredictedStop:
+        way, braking, stopping = stop_ahead(plan.times, plan.q, plan.v, plan.a, clock, rate, self._limit, h)
         b, chain = self._bodies, self._chain
         ways = ways_of_bodies(chain.axes, chain.points, way, braking, b.link, b.R, b.p, b.half)
-        return PredictedStop(reaction, stopping, *ways)
+        return PredictedStop(stopping, *ways)
 
 
 def _chosen(

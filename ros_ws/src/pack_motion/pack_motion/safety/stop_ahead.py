@@ -9,9 +9,7 @@ import numpy.typing as npt
 from pack_core.kinematics import screws
 from pack_core.rotations import Array
 
-STEP = 0.01
-"""Step of the prediction [s]."""
-STRIDE = 3
+STRIDE = 8
 """Every so many steps the posture is kept: ways between them count as straight."""
 LONGEST = 512
 """Most steps of a prediction; far more than any stop takes."""
@@ -31,9 +29,9 @@ def rate_bounds(v: Array, a: Array, rate: float, limit: Array, time: float) -> t
         a: planned accelerations `(n,)` [rad/s^2].
         rate: at which the plan is followed.
         limit: acceleration limits `(n,)` [rad/s^2].
-        time: from full rate to standing still, at least [s].
+        time: from standing still to full rate, at least [s].
     """
-    slowest, fastest = -1.0 / time, 1.0 / time
+    slowest, fastest = -np.inf, 1.0 / time
     is_standing = True
     for j in range(len(v)):
         speed = abs(v[j])
@@ -49,13 +47,13 @@ def rate_bounds(v: Array, a: Array, rate: float, limit: Array, time: float) -> t
 
 @numba.njit(cache=True)
 def stop_ahead(
-    times: Array, q: Array, v: Array, a: Array, clock: float, rate: float, limit: Array, time: float,
-    reaction: float,
-) -> tuple[Array, int, float]:  # fmt: skip
+    times: Array, q: Array, v: Array, a: Array, clock: float, rate: float, limit: Array, h: float
+) -> tuple[Array, int, float]:
     """Joint positions `(K, n)` on the way to rest, the index at which braking begins, and T_s [s].
 
-    For the reaction time the plan is followed on at `rate`; then the rate falls as fast as `rate_bounds` let
-    it, also through a moment at which the plan rests. Rows are `STRIDE` steps apart, the first one is now.
+    For one cycle the plan is followed on at `rate`; then, as in cycles that do brake, the rate falls as fast
+    as `rate_bounds` let it. So what is predicted in a cycle that begins to brake is what the one before
+    predicted. Rows are up to `STRIDE` cycles apart, the first one is now.
 
     Args:
         times: of the plan's rows `(T,)` [s].
@@ -63,31 +61,25 @@ def stop_ahead(
         v: planned velocities `(T, n)` [rad/s].
         a: planned accelerations `(T, n)` [rad/s^2].
         clock: present time of the plan [s].
-        rate: present rate.
+        rate: of the next cycle.
         limit: acceleration limits `(n,)` [rad/s^2].
-        time: from full rate to standing still, at least [s].
-        reaction: T_r [s].
+        h: duration of a cycle [s].
     """
-    way, n = np.empty((LONGEST, q.shape[1])), 1
+    way, n, braking = np.empty((LONGEST, q.shape[1])), 2, 1
     way[0] = _at(times, q, clock)
-    for left in np.arange(reaction, 0.0, -STRIDE * STEP):
-        clock += min(left, STRIDE * STEP) * rate
-        way[n] = _at(times, q, clock)
-        n += 1
-    braking, stopping, elapsed, steps = n - 1, 0.0, 0.0, 0
+    clock += h * rate
+    way[1] = _at(times, q, clock)
+    stopping, steps = 0.0, 0
     while rate > 0.0 and clock < times[-1] and n < LONGEST - 1:
-        slowest, _ = rate_bounds(_at(times, v, clock), _at(times, a, clock), rate, limit, time)
-        is_standing = slowest == -np.inf
-        if is_standing:
-            slowest = -1.0 / time
+        slowest, _ = rate_bounds(_at(times, v, clock), _at(times, a, clock), rate, limit, 1.0)
+        if slowest == -np.inf:
+            break  # the plan stands here
         # The last step ends where the rate does, so that T_s falls evenly from cycle to cycle.
-        step = min(STEP, -rate / slowest) if slowest < 0.0 else STEP
+        step = min(h, -rate / slowest) if slowest < 0.0 else h
         slower = max(rate + step * slowest, 0.0)
         clock += 0.5 * step * (rate + slower)
         rate = slower
-        elapsed += step
-        if not is_standing:
-            stopping = elapsed
+        stopping += step
         steps += 1
         if steps % STRIDE == 0:
             way[n] = _at(times, q, clock)

@@ -38,7 +38,7 @@ class Waiting(Config):
 
     near: PositiveFloat = Field(description="distance of the tool up to which it does not wait [m]")
     far: PositiveFloat = Field(description="distance at which it stands still [m]")
-    time: PositiveFloat = Field(description="from full rate to standing still, at least [s]")
+    time: PositiveFloat = Field(description="from standing still to full rate, at least [s]")
     calm_time: PositiveFloat = Field(
         description="after it kept its distance from somebody, for which the tool may be on its way back [s]"
     )

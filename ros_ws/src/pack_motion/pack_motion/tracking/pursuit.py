@@ -109,7 +109,7 @@ class ShapedPursuit(Pursuit):
         lowest, highest = max(self.rate + h * slowest, 0.0), min(self.rate + h * fastest, 1.0)
         highest = min(max(wished, lowest), highest)
         rates = lowest, self.rate, highest
-        rate = self._monitor.rate(self.plan.trajectory, self._time, rates, q, seen)
+        rate = self._monitor.rate(h, self.plan.trajectory, self._time, rates, q, seen)
         is_held = rate < highest or self._monitor.margin.value < 0.0
         self._calm = 0.0 if is_held else self._calm + h
         return rate
