@@ -51,6 +51,22 @@ def test_the_end_of_the_plan_is_the_end_of_the_stop() -> None:
     assert stopping == pytest.approx(0.1 - CYCLE, abs=1.5 * CYCLE)
 
 
+def test_a_stop_that_has_begun_takes_a_cycle_less_in_each_cycle() -> None:
+    """Until 2 s a joint brakes as hard as it can by the plan, so that the rate cannot fall before."""
+    times = np.linspace(0.0, 6.0, 1501)
+    v = np.stack([np.maximum(2.0 - times, 0.0), 0.5 + np.minimum(times, 2.0)], axis=1)
+    q, a = np.cumsum(v, axis=0) * (times[1] - times[0]), np.gradient(v, times, axis=0)
+    limit, clock, rate = constant([1.0, 3.0]), 1.9, 1.0
+    before = stop_ahead(times, q, v, a, clock, rate, limit, CYCLE)[2]
+    while rate > 0.0:
+        clock += CYCLE * rate
+        v_now, a_now = (np.array([np.interp(clock, times, rows[:, j]) for j in range(2)]) for rows in (v, a))
+        rate = max(rate + CYCLE * rate_bounds(v_now, a_now, rate, limit, RISE)[0], 0.0)
+        now = stop_ahead(times, q, v, a, clock, rate, limit, CYCLE)[2]
+        assert now < before - 0.9 * CYCLE or rate == 0.0
+        before = now
+
+
 def test_the_rate_keeps_the_limit_of_a_joint_that_brakes_already() -> None:
     slowest, fastest = rate_bounds(np.array([1.0]), np.array([-2.0]), 1.0, constant([2.0]), RISE)
     assert slowest == 0.0
