@@ -51,6 +51,15 @@ def test_an_order_is_built_within_its_tolerances() -> None:
 
 
 @pytest.mark.timeout(300)
+def test_the_next_box_comes_while_the_first_is_carried_to_the_pallet() -> None:
+    """So that the camera has seconds to find it."""
+    first, second = (box.name for box in order_03().boxes)
+    entered = {visit.state: visit.time for visit in order_03().visits if visit.box == first}
+    came = order_03().tracks[second].times[0]
+    assert entered[State.ABOVE_PALLET.label] < came < entered[State.PRE_DEPOSIT.label] - 1.0
+
+
+@pytest.mark.timeout(300)
 def test_a_joint_trajectory_controller_puts_a_box_down_as_well_and_nearly_as_fast() -> None:
     cell = order_03_cell(boxes=1)
     stepped = cell.stepped

@@ -48,7 +48,10 @@ MUTES = {
 
 @dataclass
 class FakeCell:
-    """Boxes by name, with their true poses; and strangers, which belong to no order."""
+    """Boxes by name, with their true poses; and strangers, which belong to no order.
+
+    The camera takes `exposure` [s] until a picture has been looked through.
+    """
 
     order: Order
     faults: Faults = field(default_factory=Faults)
@@ -60,16 +63,20 @@ class FakeCell:
     detection: BoxDetection | None = None
     scans: dict[str, PlaceScan] = field(default_factory=dict)
     strangers: list[Obstacle] = field(default_factory=list)
+    exposure: float = 0.0
     has_stopped: bool = False
 
     def __post_init__(self) -> None:
         self._cell: PalletizingCell = palletizing_cell()
         self._motion = FakeMotion(self.faults)
         self._rng = np.random.default_rng(0)
+        self._picture: tuple[float, BoxDetection] | None = None
 
     def observe(self) -> PalletObservation:
         self.time += PERIOD
         self._advance()
+        if self._picture is not None and self.time >= self._picture[0]:
+            self.detection, self._picture = self._picture[1], None
         scans = tuple(self.scans.values())
         status = self._motion.status(self.time, self.X_WT)
         return PalletObservation(self.time, status, self.grip, self.spawned, self.detection, scans)
@@ -117,7 +124,8 @@ class FakeCell:
         if self.faults.turned and X_WB is not None:
             self.faults.turned -= 1
             self.boxes[expected.id] = Pose(X_WB.p, multiply(from_yaw(TURN), X_WB.q))
-        self.detection = BoxDetection(self.time, expected.id, status, reason, X_WB, None, None)
+        found = BoxDetection(self.time, expected.id, status, reason, X_WB, None, None)
+        self._picture = self.time + self.exposure, found
 
     def _stop(self) -> None:
         self.has_stopped = True

@@ -59,6 +59,13 @@ def test_every_box_of_every_order_ends_where_it_was_meant_to_stand(number: int) 
     assert angle < 1e-6
 
 
+def test_the_arm_stays_where_it_let_a_box_go_if_the_camera_is_about_to_answer() -> None:
+    """Else it goes to its safe position and sets off from there."""
+    patient, hasty = (run(given_order(3), exposure=1.0, linger=linger)[0] for linger in (1.0, 0.0))
+    assert patient.report().is_complete
+    assert patient.machine.visits[-1].time < hasty.machine.visits[-1].time
+
+
 @pytest.mark.parametrize("profile", ["thesis", "blended"])
 def test_a_target_counts_as_reached_when_that_was_measured(profile: str) -> None:
     """As nodes the machine hears of a measurement some time later, when the tool may be faster already."""

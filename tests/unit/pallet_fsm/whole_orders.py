@@ -12,7 +12,7 @@ from pack_core.paths import config_path
 from pack_core.rotations import angle_between
 from pallet_fsm.order_book import OrderBook
 from pallet_fsm.palletizer import Palletizer
-from pallet_fsm.palletizer_config import PalletizerConfig, ScanConfig
+from pallet_fsm.palletizer_config import FeederConfig, PalletizerConfig, ScanConfig
 from unit.pallet_fsm.fake_cell import FakeCell
 from unit.pallet_fsm.faults import Faults
 
@@ -31,11 +31,25 @@ def plan_as_given(order: Order) -> LayoutPlan:
 
 
 def run(
-    order: Order, profile: str = "blended", faults: Faults | None = None, delay: float = 0.0
+    order: Order,
+    profile: str = "blended",
+    faults: Faults | None = None,
+    delay: float = 0.0,
+    exposure: float = 0.0,
+    linger: float = 1.0,
 ) -> tuple[Palletizer, FakeCell]:
-    """An order from start to end; a status of the motion is `delay` [s] old when it is observed."""
-    cell = FakeCell(order, faults or Faults())
-    config = PalletizerConfig(profile=profile, scans=NO_SCANS)
+    """An order from start to end.
+
+    Args:
+        order: what is built.
+        profile: of the machine.
+        faults: what shall go wrong.
+        delay: how old a status of the motion is when it is observed [s].
+        exposure: how long the camera takes [s].
+        linger: how long the arm stays for the next box [s].
+    """  # fmt: skip
+    cell = FakeCell(order, faults or Faults(), exposure=exposure)
+    config = PalletizerConfig(profile=profile, scans=NO_SCANS, feeder=FeederConfig(linger=linger))
     machine = Palletizer(
         OrderBook.of_order(order, plan_as_given(order), palletizing_cell()), palletizing_cell(), config, 0.0
     )

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from pack_core.motion.world import CarriedBox
 from pack_core.palletizing.boxes import BoxDetection, DetectionStatus, ExpectedBox
-from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.cell import PICKING_TABLE, PalletizingCell
 from pack_core.palletizing.ports import Command, PalletObservation, SpawnBox, TakePicture
 from pack_core.rotations import Array, Pose, angle_between, from_yaw, multiply
 from pallet_fsm.order_book import WorkItem
 from pallet_fsm.palletizer_config import FeederConfig, PalletizerConfig, SecondLookConfig
+from pallet_fsm.place_watch import ArmShadow
 from pallet_fsm.states import State
 from pallet_fsm.transitions import Event, Happening
 
@@ -179,7 +181,9 @@ class BoxWatch:
     """
 
     def __init__(self, config: PalletizerConfig, cell: PalletizingCell) -> None:
-        self._tries = config.tries
+        self._tries, self._clear = config.tries, config.feeder.clear
+        table = next(block for block in cell.furniture if block.name == PICKING_TABLE)
+        self._shadow = ArmShadow(table, cell)
         self._feeder = Feeder(config.feeder)
         self._second_look = SecondLook(config.second_look, cell.picking_table.middle)
         self._pictures: list[Command] = []
@@ -234,12 +238,24 @@ class BoxWatch:
         """Drop what is known of the box's place, so that it is looked for again."""
         self._feeder.forget()
 
-    def feed_ahead(self, item: WorkItem, time: float) -> None:
-        """Send for the next box and have it looked at while another one is on its way."""
+    def feed_ahead(self, item: WorkItem, seen: PalletObservation, carried: CarriedBox | None) -> None:
+        """Send for the next box and have it looked at while another one is on its way.
+
+        Args:
+            item: the next box.
+            seen: what is known now.
+            carried: the box in the hand, if there is one.
+        """
         if self._is_known(item):
             return
-        self._feeder.send_for(item, time)
-        self._feeder.look(time)
+        if self._feeder.item is not item and self._shadow.clearance(seen.motion.X_WT, carried) < self._clear:
+            return
+        self._feeder.send_for(item, seen.time)
+        self._feeder.look(seen.time)
+
+    def is_about_to_find(self, item: WorkItem | None) -> bool:
+        """Whether a box was sent for and the camera has not said yet where it is."""
+        return item is not None and self._feeder.item is item and self._feeder.answer is None
 
     def _is_known(self, item: WorkItem) -> bool:
         """Whether a box that was never sent for stands in a known place: set aside, or scanned there."""

@@ -25,10 +25,17 @@ class LoadWatch:
         self._config = config
         self._scale = HandScale(cell)
         self._item: WorkItem | None = None
+        self._has_torques = False
+
+    @property
+    def is_weighing(self) -> bool:
+        """Whether a box was gripped of which the weight is about to be known."""
+        return self._item is not None and self._has_torques
 
     def observe(self, seen: PalletObservation) -> None:
         """Take note of the joints."""
-        if self._config.window > 0.0 and seen.sample is not None:
+        self._has_torques = self._config.window > 0.0 and seen.sample is not None
+        if self._has_torques and seen.sample is not None:
             self._scale.note(seen.sample)
 
     def take(self, item: WorkItem) -> None:

@@ -137,7 +137,7 @@ class Palletizer:
         while not self.machine.is_over and (found := self._happened(seen)) is not None:
             self._fire(*found, seen)
         if not self.machine.is_over:
-            self._feed_ahead(seen.time)
+            self._feed_ahead(seen)
         return (*self._commands, *self._watch.commands(), *self._places.commands())
 
     def _happened(self, seen: PalletObservation) -> tuple[Event, str] | None:
@@ -201,8 +201,8 @@ class Palletizer:
         Without it the arm goes to its safe position first, which costs some seconds.
         """
         is_at_rest = state is State.RETREAT and self._legs.end is None and self._profile.feeds_ahead
-        is_soon = self._book.is_next_coming and time < self.machine.since + self._config.feeder.linger
-        return is_at_rest and is_soon
+        is_soon = self._book.is_next_coming or self._watch.is_about_to_find(self._book.upcoming)
+        return is_at_rest and is_soon and time < self.machine.since + self._config.feeder.linger
 
     def _fire(self, event: Event, reason: str, seen: PalletObservation) -> None:
         before = self.machine.state
@@ -262,14 +262,19 @@ class Palletizer:
         if fault in (State.BOX_LOST, State.LIMIT_PASSED):
             self.item.finish(BoxOutcome.LOST, self.machine.reason)
 
-    def _feed_ahead(self, time: float) -> None:
-        """Send for the next box and have it detected while this one is on its way."""
+    def _feed_ahead(self, seen: PalletObservation) -> None:
+        """Send for the next box and have it detected while this one is on its way.
+
+        A box that is being weighed may have to go back to table A.
+        """
         row, item, upcoming = ROWS.get(self.machine.state), self.item, self._book.upcoming
         if not self._profile.feeds_ahead or row is None or not row.feeds or upcoming is None:
             return
-        has_left_table_a = item.X_TB is not None or item.outcome is BoxOutcome.PLACED
-        if has_left_table_a:
-            self._watch.feed_ahead(upcoming, time)
+        is_done_with_table_a = item.outcome is BoxOutcome.PLACED or (
+            item.X_TB is not None and not self._load.is_weighing
+        )
+        if is_done_with_table_a:
+            self._watch.feed_ahead(upcoming, seen, item.carried)
 
     def _stop_after(self, state: State) -> State:
         return self.machine.stop_after(state, self._profile.stops_at)

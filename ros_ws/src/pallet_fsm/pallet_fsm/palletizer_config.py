@@ -78,8 +78,13 @@ class ThesisConfig(Config):
 
 
 class FeederConfig(Config):
-    """Times that the feeder waits."""
+    """When the next box comes and is looked at."""
 
+    clear: PositiveFloat = Field(
+        default=0.3,
+        description="distance of arm and carried box from table A, seen from above, from which on the next "
+        "box is sent for [m]",
+    )
     settle: NonNegativeFloat = Field(
         default=0.3, description="time from a box's arrival to the picture, so that the box is at rest [s]"
     )
@@ -88,8 +93,8 @@ class FeederConfig(Config):
     )
     linger: NonNegativeFloat = Field(
         default=1.0,
-        description="longest time that the arm stays where it let a box of a shift go until the next one is "
-        "found, if that is about to happen [s]",
+        description="longest time that the arm stays where it let a box go until the next one is found, if "
+        "that is about to happen [s]",
     )
 
 

@@ -118,7 +118,7 @@ class StateRow:
         shape: shape of the path to the target, in the profile `thesis`.
         part: part of a blended move, in the profile `blended`.
         place: what the box stands on, or nearly, at the target; the box and what is beside it may be touched.
-        feeds: whether the next box may be sent for, in the profile `blended`.
+        feeds: whether the next box may be sent for, in the profile `blended`, once table A is clear.
     """
 
     state: State
@@ -172,7 +172,7 @@ STEPS = (
     StateRow(State.TRANSFER, "safe position over the pallet",
              _FAST, _HOLD, _TRANSIT),
     StateRow(State.ABOVE_PALLET, "to over the place, shifted against the insertion",
-             _FAST, _HOLD, _TRANSIT, _FREE, _CROSS),
+             _FAST, _HOLD, _TRANSIT, _FREE, _CROSS, feeds=True),
     StateRow(State.PRE_DEPOSIT, "down to where the insertion begins",
              _SLOW, _HOLD, _PRECISE, _LINE, _APPROACH, _PALLET, feeds=True),
     StateRow(State.DEPOSIT, "insert the box, let go",

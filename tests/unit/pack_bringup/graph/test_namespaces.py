@@ -27,7 +27,7 @@ def test_nodes_in_a_namespace_are_told_what_their_files_have(cell: str) -> None:
         assert "__ns:=/left" in command
         assert "--params-file" not in command
         assert "preset:=x" in command
-    assert "real_time_factor:=0.5" in load_graph("blocks").nodes[0].command(namespace="/left")
+    assert "real_time_factor:=1.0" in load_graph("blocks").nodes[0].command(namespace="/left")
 
 
 def test_namespaces_are_written_with_or_without_a_slash_and_others_refused() -> None:
