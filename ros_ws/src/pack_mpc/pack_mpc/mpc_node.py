@@ -5,12 +5,14 @@ from __future__ import annotations
 import threading
 from typing import Any
 
+import numpy as np
 from pack_interfaces.action import FillContainer, PackObject
 from pydantic import Field, PositiveFloat
 from std_msgs.msg import String
 
 from pack_core.errors import PackError
 from pack_core.joints import Setpoints, hold
+from pack_core.packing.cell import PackingCell
 from pack_core.packing.goals import PackingExitReason
 from pack_core.packing.load_shedding import GivenUp, LoadShedding
 from pack_core.packing.scene import Scene
@@ -21,6 +23,7 @@ from pack_core.ros.packing import read_packing_cell
 from pack_core.ros.run import run_node
 from pack_mpc.cost.weights import load_weights
 from pack_mpc.filling.fill_config import FillSessionConfig
+from pack_mpc.held_watch import arm_chain
 from pack_mpc.optimizers import OPTIMIZERS
 from pack_mpc.ros.fill_goal import FillAction, FillGoal
 from pack_mpc.ros.mailbox import Mailbox
@@ -47,6 +50,7 @@ class MpcNode(GoalNode):
         super().__init__("mpc", **kwargs)
         self._change(self.read_parameters(MpcNodeConfig, self._change))
         self._cell = read_packing_cell(self)
+        load_kinematics(self._cell)
         self._scene: Scene | None = None
         self._load = LoadShedding()
         self._pursued: PackGoal | FillGoal | None = None
@@ -208,6 +212,11 @@ class MpcNode(GoalNode):
             self.get_logger().warning(f"iteration skipped: {error}", throttle_duration_sec=1.0)
         elif self.context.ok() and self.failures.note("iteration", error):
             self.react_to_failure(f"every iteration fails: {error!r}")
+
+
+def load_kinematics(cell: PackingCell) -> None:
+    """Have numba load the arm's kinematics: the first iteration of a goal would wait for it for a second."""
+    arm_chain(cell).jacobian(np.zeros(len(cell.robot.arm.joints)))
 
 
 def main() -> int:
