@@ -70,9 +70,11 @@ def test_the_last_strip_may_overlap_the_one_before() -> None:
         assert (whole != cut.picture(seen({BOX: X_WB}))).any(axis=2).mean() < 1e-4
 
 
-def test_the_simulator_holds_no_large_textures_and_no_compiler() -> None:
-    """A node without them holds half a gigabyte; the board as a cube and numba would add 200 and 100 MB."""
-    assert build_model(palletizing_cell(), visuals=True).ntexdata < 30e6
+def test_the_simulator_holds_no_large_textures_no_buffers_for_whole_pictures_and_no_compiler() -> None:
+    """A node without them holds 0.4 GB; the board as a cube adds 200 MB, buffers 400, numba 100."""
+    model = build_model(palletizing_cell(), visuals=True)
+    assert model.ntexdata < 30e6
+    assert model.vis.global_.offheight < 2 * STRIP_ROWS  # as large as the buffers are at least
     code = "import sys, pack_sim.palletizing.pallet_sim_node; raise SystemExit('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 

@@ -116,7 +116,6 @@ def _add_pallet(spec: mujoco.MjSpec, name: str, pallet: BoxTable | PalletPlace, 
 def add_surroundings(spec: mujoco.MjSpec, cell: PalletizingCell) -> None:
     """Add a floor, a sky, lights that cast shadows, and materials for boxes: `cardboard_0`, ..."""
     visual = spec.visual
-    visual.global_.offwidth, visual.global_.offheight = cell.camera.width, cell.camera.rows
     visual.quality.shadowsize = 4096
     visual.headlight.ambient = (0.36, 0.36, 0.36)
     visual.headlight.diffuse, visual.headlight.specular = (0.20, 0.20, 0.20), (0.0, 0.0, 0.0)
