@@ -89,7 +89,9 @@ class FeederConfig(Config):
         default=0.3, description="time from a box's arrival to the picture, so that the box is at rest [s]"
     )
     patience: PositiveFloat = Field(
-        default=5.0, description="longest time until a box arrives, and until the camera answers [s]"
+        default=10.0,
+        description="longest time until a box arrives, and until the camera answers, which draws by "
+        "software beside other work [s]",
     )
     linger: NonNegativeFloat = Field(
         default=1.0,
@@ -108,7 +110,7 @@ class SecondLookConfig(Config):
     )
     position: PositiveFloat = Field(default=0.003, description="by which a box has moved if by more [m]")
     angle_deg: PositiveFloat = Field(default=0.6, description="by which a box has turned if by more")
-    patience: PositiveFloat = Field(default=5.0, description="longest time until the camera answers [s]")
+    patience: PositiveFloat = Field(default=10.0, description="longest time until the camera answers [s]")
 
 
 class SmallMoveConfig(Config):

@@ -25,9 +25,10 @@ Floats = npt.NDArray[np.float32]
 MARGIN = 0.03
 """By how much the pinhole camera that is drawn sees more on each side, as a share of the picture's size: a
 lens with barrel distortion shows what a pinhole camera of the same focal length has outside its picture."""
-STRIP_ROWS = 270
+STRIP_ROWS = 432
 """Rows that are drawn at a time: the multisampled buffers of software rendering take 60 bytes a pixel, half a
-gigabyte for a whole picture of 3840 by 2160."""
+gigabyte for a whole picture of 3840 by 2160. Each strip has shadows computed anew, and MuJoCo's buffers have
+480 rows at least."""
 
 
 class RealLens:
