@@ -105,6 +105,26 @@ def test_joints_are_noted_unless_weighing_is_turned_off(monkeypatch, window: flo
     assert noted == ([seen.sample] if window else [])
 
 
+@pytest.mark.parametrize(
+    ("window", "torques", "is_weighing"), [(0.12, 1.0, True), (0.12, None, False), (0.0, 1.0, False)]
+)
+def test_a_box_is_being_weighed_from_the_grip_until_its_weight_is_known(
+    monkeypatch, window: float, torques: float | None, is_weighing: bool
+) -> None:
+    """Meanwhile it may have to go back, and the next one does not come; without torques it never is."""
+    scale = SimpleNamespace(note=lambda _: None, put_on=lambda *_: None, mass=None, seconds=1.0)
+    monkeypatch.setattr(load_watch, "HandScale", lambda cell: scale)
+    watch = load_watch.LoadWatch(WeighingConfig(window=window), None)
+    watch.observe(SimpleNamespace(sample=torques))
+    assert not watch.is_weighing
+    watch.take(WorkItem(given_order(3).boxes[0], None, X_TB=object()))
+    assert watch.fault() == ""
+    assert watch.is_weighing is is_weighing
+    scale.mass = given_order(3).boxes[0].weight
+    assert watch.fault() == ""
+    assert not watch.is_weighing
+
+
 def test_nobody_knows_what_a_rejected_box_should_weigh(weigh) -> None:
     weigh(3.0)
     box = given_order(3).boxes[0].model_copy(update={"weight": 10.0})

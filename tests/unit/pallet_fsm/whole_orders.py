@@ -47,7 +47,7 @@ def run(
         delay: how old a status of the motion is when it is observed [s].
         exposure: how long the camera takes [s].
         linger: how long the arm stays for the next box [s].
-    """  # fmt: skip
+    """
     cell = FakeCell(order, faults or Faults(), exposure=exposure)
     config = PalletizerConfig(profile=profile, scans=NO_SCANS, feeder=FeederConfig(linger=linger))
     machine = Palletizer(
