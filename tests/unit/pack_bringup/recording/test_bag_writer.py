@@ -123,8 +123,8 @@ def test_what_is_kept_in_memory_of_a_finished_file_is_little(tmp_path: Path) -> 
 
     tracemalloc.start()
     try:
-        first = kept_after(2)
-        assert kept_after(2) - first < 2 * 4000
+        first = kept_after(4)  # caches of the libraries fill with the first files
+        assert kept_after(10) - first < 10 * 4000
     finally:
         tracemalloc.stop()
         writer.close()
