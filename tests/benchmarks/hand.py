@@ -6,7 +6,7 @@ named, how soon after the fault or the goal's start, and what was named without 
 
 With `--drawn 1000` only the motion of each goal is simulated. The wrench that belongs to it is worked out for
 so many objects as described, within a quarter, and a fifth as many with each fault; `--bias` is the standard
-deviation of the sensor's bias [N].
+deviation of the sensor's bias [N], which is set to zero when the object is gripped.
 """
 
 from __future__ import annotations
@@ -32,7 +32,8 @@ from pack_core.topics import steps_between
 from pack_lockstep.packing.lockstep import Lockstep, Step
 from pack_lockstep.packing.settings import BenchmarkSettings, PackingSetup, set_up
 from pack_mpc.held_watch import HeldWatch, arm_chain
-from pack_mpc.load_estimate import GRAVITY, LoadConfig
+from pack_mpc.load_estimate import BIAS_TIME, GRAVITY, LoadConfig
+from pack_mpc.observation import PackingObservation
 from pack_sim.packing.scene_generator import generate_scene
 from pack_sim.packing.simulator import Simulator
 
@@ -170,7 +171,8 @@ def drawn(motion: Motion, what: str, bias: float, config: LoadConfig, rng: np.ra
     period, found = 1.0 / WRENCH_RATE, Watched()
     late = rng.uniform(0.0, LATEST) if what == LOST else 0.0
     right = item.mass * rng.uniform(1.0 - SPREAD, 1.0 + SPREAD)
-    memory, b = np.exp(-period / 5.0), bias * rng.normal(size=3)
+    memory, b = np.exp(-period / BIAS_TIME), bias * rng.normal(size=3)
+    zero = b
     first, before, forces = 0, None, list[Array]()
     start = motion.samples[0].time
     for last in motion.looks:
@@ -180,11 +182,14 @@ def drawn(motion: Motion, what: str, bias: float, config: LoadConfig, rng: np.ra
             mass = right if sample.time < start + late else right * FAULTS[what]
             a = np.zeros(3) if before is None else (v - before) / period
             before = v
-            force = R.T @ (item.mass * GRAVITY - mass * (a + GRAVITY)) + b + WHITE * rng.normal(size=3)
+            force = R.T @ (item.mass * GRAVITY - mass * (a + GRAVITY)) + b - zero + WHITE * rng.normal(size=3)
             forces.append(force)
         if last > first:
             found.seconds = motion.samples[last - 1].time - start
-            fault = watch.observe(motion.samples[last - 1], np.array(forces), motion.state)
+            newest = motion.samples[last - 1]
+            fault = watch.observe(
+                PackingObservation(newest, motion.state, np.array(forces), zeroed=start - period)
+            )
             forces.clear()
             first = last
             if fault is not None:

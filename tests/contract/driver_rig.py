@@ -58,8 +58,8 @@ class DriverRig:
         self.graph, self.arm, self.name = graph, arm, name
         self.inwards = 1.0
         graph.probe.listen(
-            contracts.JOINT_STATES, contracts.WRENCH, contracts.GRIPPER_STATE, contracts.MARKERS,
-            contracts.DESCRIPTION, shared.DIAGNOSTICS, shared.CLOCK,
+            contracts.JOINT_STATES, contracts.WRENCH, contracts.WRENCH_ZEROED, contracts.GRIPPER_STATE,
+            contracts.MARKERS, contracts.DESCRIPTION, shared.DIAGNOSTICS, shared.CLOCK,
         )  # fmt: skip
         self.start_sender()
 

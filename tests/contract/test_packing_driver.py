@@ -110,6 +110,11 @@ def test_the_wrench_is_less_the_payloads_weight(rig: DriverRig) -> None:
     assert all(message.header.frame_id == "tip" for message in heard)
 
 
+def test_its_force_sensor_was_set_to_zero_in_the_past_if_ever(rig: DriverRig) -> None:
+    told = rig.graph.probe.mail[contracts.WRENCH_ZEROED.name]
+    assert all(from_stamp(message.stamp) <= rig.time for message in told)
+
+
 def test_it_says_that_it_is_alive(rig: DriverRig) -> None:
     alive: list[int] = []
     messages: list[Empty] = []

@@ -14,6 +14,7 @@ from pack_core.packing.scene import Scene
 from pack_core.states import SceneState
 from pack_mpc.held_watch import HeldWatch, LoadFault, arm_chain
 from pack_mpc.load_estimate import GRAVITY, LoadConfig
+from pack_mpc.observation import PackingObservation
 
 PERIOD = 0.048
 
@@ -29,7 +30,7 @@ def faults(scene: Scene, start: JointSample, config: LoadConfig, share: float) -
         a = np.zeros(3) if before is None else (v - before) / PERIOD
         before = v
         force = R.T @ (described * GRAVITY - share * described * (a + GRAVITY))
-        yield watch.observe(sample, force[None], SceneState(time, {}))
+        yield watch.observe(PackingObservation(sample, SceneState(time, {}), force[None]))
 
 
 def first(scene: Scene, start: JointSample, config: LoadConfig, share: float) -> LoadFault | None:

@@ -13,9 +13,15 @@ PERIOD = 0.024
 SECOND = round(1.0 / PERIOD)
 
 
-def run(true: list[float], bias: Array, swing: float, seed: int = 0) -> list[float]:
+def run(
+    true: list[float], bias: Array, swing: float, seed: int = 0, zeroed_for: float = np.inf
+) -> list[float]:
     """Probabilities of a wrong mass while `true` [kg] hangs there, swung by up to `swing` [m/s^2]."""
-    rng, estimate, probabilities = np.random.default_rng(seed), LoadEstimate(MASS, LoadConfig()), []
+    rng, estimate, probabilities = (
+        np.random.default_rng(seed),
+        LoadEstimate(MASS, LoadConfig(), zeroed_for),
+        [],
+    )
     for k, mass in enumerate(true):
         R_NW = to_matrix(exp(0.05 * np.sin([0.1 * k, 0.2 * k, 0.3 * k])))
         a_W = swing * np.sin([0.5 * k, 0.4 * k, 0.6 * k])
@@ -42,6 +48,14 @@ def test_a_biased_sensor_tells_nothing_at_rest_and_the_mass_while_it_is_moved() 
     assert max(run([MASS] * 4 * SECOND, OFF, 2.0)) < 0.5
 
 
+def test_a_sensor_that_was_just_set_to_zero_weighs_at_rest() -> None:
+    """A bias of 1.5 N that lasts 5 s drifts by 0.6 N within half a second."""
+    drifted = np.array([0.3, -0.3, -0.5])
+    for mass, is_wrong in ((MASS, False), (0.0, True), (2.0 * MASS, True)):
+        assert (run([mass] * 12, drifted, 0.0, zeroed_for=0.5)[-1] > 0.99) is is_wrong
+    assert run([0.0] * 12, drifted, 0.0, zeroed_for=60.0)[-1] < 0.99
+
+
 @pytest.mark.parametrize("bias", [NONE, OFF])
 def test_a_loss_is_told_at_once_also_by_a_biased_sensor(bias: Array) -> None:
     probabilities = run([MASS] * SECOND + [0.0] * 5, bias, 0.2)
@@ -59,6 +73,20 @@ def test_false_alarms_are_as_rare_as_the_certainty_says() -> None:
     rng = np.random.default_rng(1)
     for seed in range(150):
         assert max(run([MASS] * 2 * SECOND, 1.5 * rng.normal(size=3), 0.5, seed)) < 0.99
+
+
+@pytest.mark.parametrize("size", [0.5, 1.5, 3.0])
+def test_what_is_right_is_not_named_by_a_sensor_that_was_set_to_zero_and_drifts(size: float) -> None:
+    """The share of alarms that the certainty allows is one in 10,000 objects."""
+    rng, decay, alarms = np.random.default_rng(3), np.exp(-PERIOD / BIAS_TIME), 0
+    for _ in range(100):
+        estimate = LoadEstimate(MASS, LoadConfig(), zeroed_for=0.0)
+        zero = bias = size * rng.normal(size=3)
+        for _ in range(3 * SECOND):
+            bias = decay * bias + size * np.sqrt(1.0 - decay**2) * rng.normal(size=3)
+            estimate.update(bias - zero + 0.1 * rng.normal(size=3), np.eye(3), NONE, PERIOD)
+            alarms += estimate.wrong >= 0.99
+    assert alarms == 0
 
 
 @pytest.mark.parametrize("size", [0.5, 1.5, 3.0])

@@ -15,6 +15,7 @@ from pack_core.states import SceneState
 from pack_mpc.held_watch import HeldWatch, arm_chain
 from pack_mpc.load_estimate import LoadConfig
 from pack_mpc.mpc_node import load_kinematics
+from pack_mpc.observation import PackingObservation
 
 
 def loaded():
@@ -28,7 +29,7 @@ scene = load_scene(config_path("scenarios", "packing", "example.yaml"))
 watch = HeldWatch(arm_chain(cell), scene, LoadConfig())
 for time in (0.0, 0.05):
     sample = JointSample(time, np.array(cell.robot.home), np.zeros(7), np.zeros(7))
-    watch.observe(sample, np.zeros((1, 3)), SceneState(time, {}))
+    watch.observe(PackingObservation(sample, SceneState(time, {}), np.zeros((1, 3))))
 print(sum(before.values()), sorted(name for name, number in loaded().items() if number > before[name]))
 """
 

@@ -15,6 +15,7 @@ from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, to_matrix
 from pack_core.states import SceneState
 from pack_mpc.load_estimate import LoadConfig, LoadEstimate
+from pack_mpc.observation import PackingObservation
 
 CLEARANCE = 0.01
 """By how much the held object is above everything else where its wrench tells its mass [m]."""
@@ -52,15 +53,10 @@ class HeldWatch:
         p_WC = self._object.p_WT + R_WN @ item.centre_of_mass
         self._centre = SerialChain(arm.axes, arm.points, R_WN, p_WC)
         self._half_diagonal = float(np.linalg.norm(item.half_extents))
-        self._estimate = LoadEstimate(item.mass, config)
+        self._estimate: LoadEstimate | None = None
         self._before: tuple[float, Array, Array] | None = None
         self._noted: float | None = None
         self._is_named = False
-
-    @property
-    def estimate(self) -> LoadEstimate:
-        """What is known of the mass."""
-        return self._estimate
 
     def change_scene(self, scene: Scene) -> None:
         """Go on with other objects in the container; what is held is the same."""
@@ -70,19 +66,14 @@ class HeldWatch:
         """R_WN `(3, 3)`, and the velocity of the object's centre of mass in the world `(3,)` [m/s]."""
         return self._object.forward_matrix(joints.q)[0], self._centre.jacobian(joints.q)[:3] @ joints.v
 
-    def observe(self, joints: JointSample, forces: Array, scene: SceneState) -> LoadFault | None:
-        """Take note of the newest sample of the joints; what is wrong is said once.
-
-        Args:
-            joints: the sample.
-            forces: forces of the wrench since the sample before `(n, 3)` [N], in axes of the object.
-            scene: where the other objects are.
-        """
+    def observe(self, seen: PackingObservation) -> LoadFault | None:
+        """Take note of what was measured since the observation before; what is wrong is said once."""
         if self._config.certainty == 1.0:
             return None
+        joints, forces = seen.joints, seen.forces
         R, v = self.motion(joints)
         before, self._before = self._before, (joints.time, R, v)
-        if before is None or not len(forces) or not self._is_free(joints.q, scene):
+        if before is None or not len(forces) or not self._is_free(joints.q, seen.scene):
             return None
         interval = joints.time - before[0]
         if not 0.0 < interval < GAP:
@@ -90,16 +81,19 @@ class HeldWatch:
         # The middle of the interval is where its mean force counts; R turns by a few mrad within it.
         R_NW = 0.5 * (R + before[1]).T
         elapsed = joints.time - (before[0] if self._noted is None else self._noted)
+        if self._estimate is None:
+            zeroed_for = np.inf if seen.zeroed is None else max(before[0] - seen.zeroed, 0.0)
+            self._estimate = LoadEstimate(self._scene.new_object.mass, self._config, zeroed_for)
         self._estimate.update(forces.mean(axis=0), R_NW, (v - before[2]) / interval, elapsed)
         self._noted = joints.time
-        return self._fault()
+        return self._fault(self._estimate)
 
-    def _fault(self) -> LoadFault | None:
-        if self._is_named or self._estimate.wrong < self._config.certainty:
+    def _fault(self, estimate: LoadEstimate) -> LoadFault | None:
+        if self._is_named or estimate.wrong < self._config.certainty:
             return None
         self._is_named = True
-        item, mass = self._scene.new_object, self._estimate.mass
-        if self._estimate.empty > self._estimate.wrong - self._estimate.empty:
+        item, mass = self._scene.new_object, estimate.mass
+        if estimate.empty > estimate.wrong - estimate.empty:
             return LoadFault(
                 PackingExitReason.DETACHED,
                 f"the pump reports a hold, but '{item.name}', of {item.mass:.2f} kg, does not hang from it",

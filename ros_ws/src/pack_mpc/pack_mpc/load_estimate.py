@@ -1,8 +1,8 @@
-"""What the wrench at the cup tells of the mass that hangs there, with a sensor whose bias is unknown.
+"""What the wrench at the cup tells of the mass that hangs there, with a sensor whose bias drifts.
 
-A sensor that is off by newtons, as one is that estimates forces from joint torques, cannot weigh an object of
-3 N at rest. But an object that is moved shows its mass by its inertia as well. In the axes of the object N
-the wrench's force, less the described weight m_d g, is
+A sensor that is off by newtons, as one is that estimates forces from joint torques, weighs an object of 3 N
+at rest only for a moment after it was set to zero. But an object that is moved shows its mass by its inertia
+as well. In the axes of the object N the wrench's force, less the described weight m_d g, is
 
     f = R_NW [ m_d g z - m (a_W + g z) ] + b
 
@@ -68,9 +68,10 @@ class LoadEstimate:
     Args:
         mass: as described [kg].
         config: how sure a statement has to be.
+        zeroed_for: time since the sensor was set to zero with an empty cup [s]; infinite: it never was.
     """
 
-    def __init__(self, mass: float, config: LoadConfig) -> None:
+    def __init__(self, mass: float, config: LoadConfig, zeroed_for: float = np.inf) -> None:
         self._described, self._config = mass, config
         self._masses = mass * SHARES
         is_right = (SHARES > LEAST) & (SHARES < MOST)
@@ -79,7 +80,9 @@ class LoadEstimate:
         # Rows: masses; columns: sizes of biases.
         self._weights = np.outer(prior, np.full(len(BIASES), 1.0 / len(BIASES)))
         self._means = np.zeros((*self._weights.shape, 3))
-        self._variances = np.tile(BIASES**2, (len(SHARES), 1))
+        # The bias was zero then.
+        grown = 1.0 - np.exp(-2.0 * zeroed_for / BIAS_TIME)
+        self._variances = np.tile(grown * BIASES**2, (len(SHARES), 1))
         self._swing = 0.0
 
     @property

@@ -20,12 +20,14 @@ class PackingObservation:
         scene: newest estimate of the objects.
         forces: external forces since the last observation `(n, 3)` [N], in the axes of /wrench.
         is_held: whether the pump holds the object.
+        zeroed: when the force sensor was last set to zero with an empty cup [s]; None if nobody said so.
     """
 
     joints: JointSample
     scene: SceneState
     forces: Array
     is_held: bool = True
+    zeroed: float | None = None
 
 
 def blind_for(scene: SceneState, time: float) -> float:

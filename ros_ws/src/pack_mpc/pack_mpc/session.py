@@ -115,7 +115,7 @@ class PackingSession:
         task.note_forces(time, seen.forces)
         if not seen.is_held:
             task.finish(PackingExitReason.DETACHED, time, "the pump lost the object")
-        elif (fault := self._watch.observe(seen.joints, seen.forces, seen.scene)) is not None:
+        elif (fault := self._watch.observe(seen)) is not None:
             task.finish(fault.reason, time, fault.message)
         if task.update(time, X_WN, unseen):
             self.controller.change_cost()

@@ -103,14 +103,14 @@ class HandScale:
         direction = np.where(np.abs(now.v) > MOVING, np.sign(now.v), 0.0)
         if not direction.any():
             return
+        if not all(_is_steady(sample, now) for sample in samples):
+            return
         bare = _torques(self._bare.model, self._bare_data, now, a)
         excess = now.tau - bare
         if not self._is_loaded:
             keep = np.where(direction != 0.0, 0.5 ** (1.0 / TARE), 1.0)
             self._rubbed = keep * self._rubbed + direction * excess
             self._counts = keep * self._counts + np.abs(direction)
-            return
-        if not all(_is_steady(sample, now) for sample in samples):
             return
         self.seconds += 0.5 * (after.time - before.time)
         # Least squares over all joints that move, each with the noise of its motor: a share of its effort.

@@ -34,9 +34,11 @@ class LoadWatch:
 
     def observe(self, seen: PalletObservation) -> None:
         """Take note of the joints."""
-        self._has_torques = self._config.window > 0.0 and seen.sample is not None
-        if self._has_torques and seen.sample is not None:
-            self._scale.note(seen.sample)
+        if self._config.window == 0.0:
+            return
+        for sample in seen.samples:
+            self._has_torques = True
+            self._scale.note(sample)
 
     def take(self, item: WorkItem) -> None:
         """Weigh a box that was just gripped, on the way that follows."""

@@ -49,6 +49,19 @@ def test_the_bias_is_there_from_the_start() -> None:
     assert first.std() == pytest.approx(2.0, rel=0.1)
 
 
+def test_what_was_set_to_zero_drifts_as_its_bias_does() -> None:
+    """E (b_t - b_0)^2 = 2 sigma^2 (1 - exp(-t / tau)), for a bias of size sigma that lasts tau."""
+    config, steps, squares = WrenchSensorConfig(force_bias=2.0, bias_time=0.5), 100, []
+    for seed in range(300):
+        sensor = WrenchSensor(config, STEP, np.random.default_rng(seed))
+        sensor.zero()
+        np.testing.assert_array_equal(sensor.read(ZERO, ZERO), np.zeros((2, 3)))
+        for _ in range(steps):
+            sensor.advance()
+        squares.append(np.mean(sensor.read(ZERO, ZERO)[0] ** 2))
+    assert np.mean(squares) == pytest.approx(2.0 * 2.0**2 * (1.0 - np.exp(-0.2)), rel=0.15)
+
+
 def test_reading_twice_changes_nothing() -> None:
     sensor = WrenchSensor(WrenchSensorConfig(force_noise=1.0), STEP, np.random.default_rng(0))
     sensor.advance()

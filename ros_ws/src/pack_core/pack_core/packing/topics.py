@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 DESCRIPTION, SCENE, TRUTH, MARKERS = "/cell_description", "/scene", "/sim/truth", "/mocap/markers"
-JOINT_STATES, SETPOINTS, WRENCH = "/joint_states", "/joint_torque_setpoints", "/wrench"
+JOINT_STATES, SETPOINTS = "/joint_states", "/joint_torque_setpoints"
+WRENCH, WRENCH_ZEROED = "/wrench", "/wrench/zeroed"
 GRIPPER_STATE, MPC_STATUS, RESULT = "/gripper/state", "/mpc/status", "/pack_object/result"
 FILL_PROGRESS, FILL_RESULT = "/fill_container/progress", "/fill_container/result"
 SETTLED_SAMPLES = "/placement/settled_samples"

@@ -29,7 +29,7 @@ class PalletObservation:
         detection: newest detection of a box; None before the first.
         scans: newest scan of each place that was scanned.
         laid: name of what the operator laid on table A last; empty before the first.
-        sample: newest measurement of the joints, with their torques; None where nobody measures them.
+        samples: what was measured of the joints since the last observation, oldest first, with their torques.
         infeed: what the conveyor tells; None where there is none.
         place: newest answer about the place of a box; None before the first.
         taken: names of the places whose full pallet is being replaced by an empty one.
@@ -42,7 +42,7 @@ class PalletObservation:
     detection: BoxDetection | None = None
     scans: tuple[PlaceScan, ...] = ()
     laid: str = ""
-    sample: JointSample | None = None
+    samples: tuple[JointSample, ...] = ()
     infeed: InfeedState | None = None
     place: PlaceAnswer | None = None
     taken: frozenset[str] = frozenset()

@@ -110,10 +110,11 @@ class LockstepCell:
 
     def observe(self) -> PackingObservation:
         """What is known now, with the forces since the last call."""
-        joints: JointSample = self.simulator.joints()
+        simulator = self.simulator
+        joints: JointSample = simulator.joints()
         forces, self._forces = np.array(self._forces).reshape(-1, 3), []
         scene = self.estimator.state(joints.time)
-        return PackingObservation(joints, scene, forces, self.simulator.pump.state.is_closed)
+        return PackingObservation(joints, scene, forces, simulator.pump.state.is_closed, simulator.zeroed)
 
 
 class LockstepPlacements:

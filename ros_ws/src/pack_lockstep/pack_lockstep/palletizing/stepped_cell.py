@@ -108,9 +108,10 @@ class SteppedCell:
         simulator = self.simulator
         if self._pending is not None and simulator.time >= self._pending[0]:
             self._detection, self._pending = self._pending[1], None
+        samples = () if self.arm.sample is None else (self.arm.sample,)
         return PalletObservation(
             simulator.time, self.motion.status(), simulator.gripper.state, self._spawned, self._detection,
-            self._answered(), sample=self.arm.sample, infeed=simulator.infeed, taken=simulator.taken,
+            self._answered(), samples=samples, infeed=simulator.infeed, taken=simulator.taken,
         )  # fmt: skip
 
     def apply(self, command: Command) -> bool:

@@ -14,6 +14,7 @@ from pack_core.joints import JointSample
 from pack_core.packing.scene import Scene
 from pack_core.ros.clock import StampCheck
 from pack_core.ros.contracts import packing as contracts
+from pack_core.ros.messages.conversions import from_stamp
 from pack_core.ros.messages.scene import from_scene
 from pack_core.ros.messages.serialized import JointStateReader, WrenchReader
 from pack_core.ros.newest_messages import Kept, NewestMessages
@@ -62,6 +63,7 @@ class Mailbox(NewestMessages):
             (
                 Kept(contracts.SCENE, self._to_scene, NEWEST),
                 Kept(contracts.WRENCH, self._to_force, WRENCHES, raw=True),
+                Kept(contracts.WRENCH_ZEROED, lambda message: from_stamp(message.stamp)),
                 Kept(contracts.GRIPPER_STATE, lambda message: message.is_closed, NEWEST),
                 Kept(contracts.JOINT_STATES, self._to_joints, NEWEST, raw=True),
             ),
@@ -145,7 +147,7 @@ class Mailbox(NewestMessages):
         with self._lock:
             forces = np.array(self._forces).reshape(-1, 3)
             self._forces.clear()
-        return PackingObservation(joints, scene, forces, self._is_held)
+        return PackingObservation(joints, scene, forces, self._is_held, self._zeroed_by(joints.time))
 
     @property
     def _is_due(self) -> bool:
@@ -169,6 +171,11 @@ class Mailbox(NewestMessages):
     def _is_held(self) -> bool:
         is_closed: bool | None = self[contracts.GRIPPER_STATE]
         return is_closed is not False  # held until the gripper says otherwise
+
+    def _zeroed_by(self, time: float) -> float | None:
+        """When the force sensor was set to zero [s]; None if nobody said, or before the driver began anew."""
+        zeroed: float | None = self[contracts.WRENCH_ZEROED]
+        return zeroed if zeroed is not None and zeroed <= time else None
 
     def _to_joints(self, data: bytes) -> JointSample:
         sample = self._joint_reader.read(data)

@@ -77,6 +77,8 @@ class Simulator:
     Attributes:
         scene: the scene as it truly is, with true friction and masses.
         description: the scene as the nodes know it.
+        zeroed: when the force sensor was last set to zero with an empty cup, simulated time [s]: at the
+            start, and before each grip.
     """
 
     def __init__(
@@ -97,6 +99,7 @@ class Simulator:
         self._rng = rng
         self.mocap = MocapSystem(self.scene, cell, config.mocap, rng)
         self._wrench_sensor = WrenchSensor(config.wrench_sensor, config.timestep, wrench_rng)
+        self._zero_sensor(time)
         self._held = HeldRole.RIGID if cell.tip is None else HeldRole.COMPLIANT
         self._physics = ScenePhysics(
             cell, self.scene, PhysicsOptions(config.timestep, config.contact_width, friction),
@@ -221,9 +224,14 @@ class Simulator:
             self.scene = self.scene.gripped(X_TN)
         elif fault := hang_fault(X_TN, held_pose(self.scene)):
             return fault
+        self._zero_sensor(self.time)
         self.pump.close()
         self._rebuild(self._held)
         return ""
+
+    def _zero_sensor(self, time: float) -> None:
+        self._wrench_sensor.zero()
+        self.zeroed = time
 
     def _presented(self) -> Pose:
         """Where the new object truly stands at its hand-over."""

@@ -24,7 +24,8 @@ class WrenchSensorConfig(Config):
 class WrenchSensor:
     """Adds the sensor's errors to a wrench.
 
-    The bias is an Ornstein-Uhlenbeck process: normal at every instant, and correlated over `bias_time`.
+    The bias is an Ornstein-Uhlenbeck process: normal at every instant, and correlated over `bias_time`. What
+    it was when the sensor was last set to zero is subtracted.
 
     Args:
         config: standard deviations and correlation time.
@@ -43,7 +44,13 @@ class WrenchSensor:
         self._is_exact = not (self._noise.any() or self._spread.any())
         self._memory = float(np.exp(-self._timestep / config.bias_time))
         self._bias = self._spread * self._rng.normal(size=6)
+        self._zero = np.zeros(6)
         self._error = self._bias.copy()
+
+    def zero(self) -> None:
+        """Set the sensor to zero while nothing is on it, by a mean that has no noise to speak of."""
+        self._zero = self._bias.copy()
+        self._error = np.zeros(6)
 
     def advance(self) -> None:
         """Draw the errors of the next time step."""
@@ -52,7 +59,7 @@ class WrenchSensor:
         # exact discretisation of the Ornstein-Uhlenbeck process: the variance stays `spread` squared
         kick, noise = self._rng.normal(size=(2, 6))
         self._bias = self._memory * self._bias + np.sqrt(1.0 - self._memory**2) * self._spread * kick
-        self._error = self._bias + self._noise * noise
+        self._error = self._bias - self._zero + self._noise * noise
 
     def read(self, force: Array, torque: Array) -> tuple[Array, Array]:
         """A force `(3,)` [N] and a torque `(3,)` [N m] with the errors of this time step."""

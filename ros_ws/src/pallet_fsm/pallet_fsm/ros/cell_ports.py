@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -15,6 +16,8 @@ from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from pack_core.errors import MessageError
+from pack_core.joints import JointSample
+from pack_core.motion import topics as motion_topics
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.infeed import PlacesAway
 from pack_core.palletizing.orders.next_place import PlaceAnswer
@@ -55,6 +58,9 @@ from pack_core.ros.messages.serialized_status import MotionStatusReader
 from pack_core.ros.newest_messages import Kept, NewestMessages
 from pack_core.ros.node import CellNode
 
+SAMPLES = round(motion_topics.JOINT_RATE)
+"""Measurements of the joints that may wait: those of 1 s, as each counts for the weight in the hand."""
+
 
 class CellPorts:
     """Hears of the cell, and sends it commands.
@@ -89,6 +95,9 @@ class CellPorts:
             for contract in (contracts.SEND_BOX, contracts.REPLACE_PALLET, contracts.PLAN_PLACE)
         )
         self._scans = {place: self._client(contracts.SCANS[place][0]) for place in cell.scanned}
+        self._reader = JointStateReader(JOINTS)
+        # bounded, as nobody fetches them while there is no goal
+        self._samples: deque[JointSample] = deque(maxlen=SAMPLES)
         self._heard = NewestMessages(
             node,
             (
@@ -97,7 +106,7 @@ class CellPorts:
                 Kept(contracts.INFEED_STATE, from_infeed),
                 Kept(contracts.PALLET_PLACES, from_places),
                 Kept(contracts.GRIPPER_STATE, from_gripper_state, depth=1),
-                Kept(contracts.JOINT_STATES, JointStateReader(JOINTS).read, depth=1, raw=True),
+                Kept(contracts.JOINT_STATES, self._to_sample, raw=True),
                 Kept(motion.MOTION_STATUS, MotionStatusReader().read, depth=1, raw=True),
             ),
         )
@@ -120,9 +129,18 @@ class CellPorts:
         scans = (self._heard.until(contracts.SCANS[place][1], now) for place in self._scans)
         return PalletObservation(
             now, status, grip, self._spawned, detection, tuple(scan for scan in scans if scan is not None),
-            self._laid, self._heard.until(contracts.JOINT_STATES, now), self._heard[contracts.INFEED_STATE],
-            self._place, self._away(now),
+            self._laid, self._new_samples(), self._heard[contracts.INFEED_STATE], self._place,
+            self._away(now),
         )  # fmt: skip
+
+    def _to_sample(self, data: bytes) -> JointSample:
+        sample = self._reader.read(data)
+        self._samples.append(sample)
+        return sample
+
+    def _new_samples(self) -> tuple[JointSample, ...]:
+        """What was measured of the joints since the last call."""
+        return tuple(self._samples.popleft() for _ in range(len(self._samples)))
 
     def _away(self, now: float) -> frozenset[str]:
         """The places on which no pallet stands: those that were told, and those just sent for."""

@@ -7,7 +7,7 @@ from pack_interfaces.action import FillContainer, PackObject
 from pack_interfaces.msg import GripperState, MocapMarkers, MpcStatus, SceneState, SettledSamples
 from pack_interfaces.srv import GripperCommand, PlanFilling, PlanPlacement, PresentObject, ResetScene
 from sensor_msgs.msg import CameraInfo, Image, JointState, PointCloud2
-from std_msgs.msg import String
+from std_msgs.msg import Header, String
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
@@ -70,6 +70,10 @@ WRENCH = Contract(
     topics.WRENCH, WrenchStamped, ("sim",), ("mpc", "recorder", "user"),
     "force and torque on the suction cup, less the held object's weight, in the frame `tip`",
     qos=STREAM, rate=hz(topics.WRENCH_RATE), recorded=True)
+WRENCH_ZEROED = Contract(
+    topics.WRENCH_ZEROED, Header, ("sim",), ("mpc", "recorder", "user"),
+    "when the force sensor was last set to zero with an empty cup", qos=LATCHED,
+    rate="at reset and each grip", recorded=True)
 GRIPPER_STATE = Contract(
     topics.GRIPPER_STATE, GripperState, ("sim",), ("perception", "mpc", "recorder", "user"),
     "what the pump holds and how hard it is pulled", qos=STREAM, rate=hz(topics.GRIPPER_RATE), recorded=True)

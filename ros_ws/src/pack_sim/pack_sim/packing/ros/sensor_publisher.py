@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from pack_interfaces.msg import GripperState
+from std_msgs.msg import Header
 
 from pack_core import topics as shared_topics
 from pack_core.packing import topics
@@ -31,6 +32,8 @@ class SensorPublisher:
         self._clock, self._clock_writer = node.advertise(shared.CLOCK), ClockWriter()
         self._joints, self._joint_writer = node.advertise(contracts.JOINT_STATES), JointStateWriter(joints)
         self._wrench, self._wrench_writer = node.advertise(contracts.WRENCH), WrenchWriter("tip")
+        self._zeroed = node.advertise(contracts.WRENCH_ZEROED)
+        self._told_zeroed: float | None = None
         self._markers = node.advertise(contracts.MARKERS)
         self._truth, self._truth_writer = node.advertise(contracts.TRUTH), SceneWriter()
         self._gripper = node.advertise(contracts.GRIPPER_STATE)
@@ -53,6 +56,9 @@ class SensorPublisher:
         for sample in samples:
             self._joints.publish(self._joint_writer.write(sample))
         self._wrench.publish(self._wrench_writer.write(simulator.time, *simulator.external_wrench()))
+        if simulator.zeroed != self._told_zeroed:
+            self._told_zeroed = simulator.zeroed
+            self._zeroed.publish(Header(stamp=to_stamp(simulator.zeroed), frame_id="tip"))
         for frame in simulator.mocap.due(simulator.time):
             self._markers.publish(to_markers(frame))
         self._tick += 1
