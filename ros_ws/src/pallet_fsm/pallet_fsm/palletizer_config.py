@@ -158,7 +158,7 @@ class WeighingConfig(Config):
         default=0.12, description="at even speed after each grip, over which it is weighed; 0: never [s]"
     )
     tolerance: PositiveFloat = Field(
-        default=0.6,
+        default=0.5,
         description="by which it may differ from what the order says, whatever that is; 1 if gears give [kg]",
     )
     share: NonNegativeFloat = Field(default=0.1, description="and by which share of that beyond it")
