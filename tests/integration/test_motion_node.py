@@ -13,10 +13,11 @@ from integration.harness import Graph
 from pack_core.joints import JointSample, Setpoints
 from pack_core.motion.moves import JointMove, Move, Path, PoseMove
 from pack_core.motion.target import MotionTarget
+from pack_core.motion.world import Obstacle
 from pack_core.robots.kr210 import JOINTS
 from pack_core.ros.contracts import motion as contracts
 from pack_core.ros.messages.joints import from_trajectory, to_joint_state
-from pack_core.ros.messages.motion import to_target
+from pack_core.ros.messages.motion import to_obstacles, to_target
 from pack_core.rotations import Array, Pose, from_rpy
 from pack_motion.arm.arm import load_arm
 from pack_motion.motion_node import MotionNode
@@ -191,3 +192,24 @@ def test_a_target_that_comes_while_the_arm_is_held_replaces_the_old_one(graph: G
     arm.send(Path((JointMove(HOME),)), 8)
     assert arm.until("REACHED", "STUCK", "REFUSED", number=8) == "REACHED"
     np.testing.assert_allclose(arm.q, HOME, atol=1e-3)
+
+
+def test_margins_are_told_while_somebody_is_seen(graph: Graph, arm: Arm) -> None:
+    """Three metres beside the arm's home, who stands still: the margin is less than the distance."""
+    graph.probe.listen(contracts.SEPARATION)
+    told = graph.probe.mail[contracts.SEPARATION.name]
+    arm.tick()
+    assert not told
+    X_WT = load_arm("palletizing").chain.forward(HOME)
+    X_WO = Pose(np.array([X_WT.p[0], X_WT.p[1] + 3.0, 0.9]))
+    person = Obstacle("person", X_WO, np.array([0.5, 0.5, 1.8]), is_moving=True)
+
+    def is_told() -> bool:
+        graph.probe.send(contracts.MOTION_OBSTACLES, to_obstacles((person,), arm.time))
+        arm.tick()
+        return bool(told)
+
+    graph.wait_until(is_told)
+    assert told[-1].who == "person"
+    assert 0.0 < told[-1].margin < told[-1].distance < 3.0
+    assert not told[-1].is_under_way

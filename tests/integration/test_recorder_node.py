@@ -137,7 +137,7 @@ def test_a_folder_that_cannot_be_written_is_a_fault_with_which_the_cell_goes_on(
         )
     )
     assert "goals go on unrecorded" in node.health.faults["bag"]
-    assert node.is_up
+    graph.wait_until(lambda: node.is_up)
 
 
 def test_a_recorder_that_is_required_ends_where_it_cannot_write(graph: Graph, tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ import threading
 from dataclasses import replace
 from typing import Any
 
-from pack_interfaces.msg import ArmState, BoxObstacles
+from pack_interfaces.msg import ArmState, BoxObstacles, Separation
 from pack_interfaces.msg import MotionTarget as MotionTargetMsg
 from pydantic import Field, field_validator
 
@@ -18,7 +18,7 @@ from pack_core.ros.clock import StampCheck
 from pack_core.ros.contracts import motion as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import NEWEST
-from pack_core.ros.messages.conversions import from_stamp
+from pack_core.ros.messages.conversions import WORLD, from_stamp, to_stamp
 from pack_core.ros.messages.motion import from_obstacles, from_target
 from pack_core.ros.messages.serialized import JointStateReader
 from pack_core.ros.messages.serialized_setpoints import TrajectoryWriter
@@ -83,6 +83,7 @@ class MotionNode(CellNode):
         self._setpoints = self.advertise(contracts.SETPOINTS)
         self._writer = TrajectoryWriter(self._arm.limits.names)
         self._status, self._status_writer = self.advertise(contracts.MOTION_STATUS), MotionStatusWriter()
+        self._separation = self.advertise(contracts.SEPARATION)
         self.listen(contracts.MOTION_TARGET, self._on_target)
         self.listen(contracts.MOTION_OBSTACLES, self._on_obstacles)
         self.listen(shared.ARM_STATE, self._on_arm_state)
@@ -215,6 +216,18 @@ class MotionNode(CellNode):
         late = measured.time - sample.time
         status = stream.controller.status()
         self._status.publish(self._status_writer.write(replace(status, time=status.time + late)))
+        self._tell_separation(stream.controller, measured.time)
+
+    def _tell_separation(self, controller: MotionController, time: float) -> None:
+        margin = controller.margin
+        if not margin.who:
+            return
+        message = Separation(
+            margin=margin.value, distance=margin.distance, body=margin.body, who=margin.who,
+            is_under_way=controller.is_under_way,
+        )  # fmt: skip
+        message.header.stamp, message.header.frame_id = to_stamp(time), WORLD
+        self._separation.publish(message)
 
     def _drive(self, stream: SetpointStream, sample: JointSample) -> None:
         """Tell the driver what is new. Beside trajectories setpoints are told for recordings alone."""

@@ -22,6 +22,7 @@ from pack_core.rotations import Array, Pose, from_yaw
 from pack_evaluation.bag import Bag, Recorded
 from pack_evaluation.palletizing.from_bag import (
     DECK,
+    SEPARATION,
     TF_STATIC,
     frames_in,
     interruptions_of,
@@ -172,6 +173,21 @@ def test_a_recorded_order_becomes_arrays_and_measures(tmp_path: Path) -> None:
     assert measures.boxes[0].error_mm == pytest.approx(1.0)
     assert measures.position_mm == pytest.approx((0.0, 0.0), abs=1e-9)
     assert (measures.touches, measures.drops, measures.interruptions) == (1, 0, 0)
+
+
+def test_margins_to_people_are_those_that_were_told_while_the_arm_was_under_way(tmp_path: Path) -> None:
+    told = [
+        (2.2 + 0.1 * k, SEPARATION, make(
+            "pack_interfaces/msg/Separation", header=header(2.2 + 0.1 * k), margin=margin, who="person",
+            is_under_way=is_under_way,
+        )) for k, (margin, is_under_way) in enumerate([(0.5, True), (0.2, True), (-0.1, False)])
+    ]  # fmt: skip
+    write_bag(tmp_path, sorted([*an_order(), *told], key=lambda row: row[0]))
+    track = load_pallet_run(tmp_path).separation
+    assert track is not None
+    np.testing.assert_allclose(track.times, [2.2, 2.3, 2.4])
+    np.testing.assert_allclose(track.margin, [0.5, 0.2, -0.1])
+    assert track.is_under_way.tolist() == [True, True, False]
 
 
 def test_a_topic_that_nobody_sent_is_named(tmp_path: Path) -> None:

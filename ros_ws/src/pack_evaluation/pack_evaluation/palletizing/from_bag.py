@@ -23,6 +23,7 @@ from pack_evaluation.goals import goal_of
 from pack_evaluation.palletizing.run import (
     BoxRecord,
     PalletRun,
+    SeparationTrack,
     StandingCell,
     StateVisit,
     ToolTrack,
@@ -34,9 +35,11 @@ from pack_evaluation.track import recorded_tracks
 
 TF_STATIC, DECK = "/tf_static", "pallet_deck"
 """The topic that has the frames of what stands still, and the pallet's frame."""
+SEPARATION = "/motion/separation"
+"""By how much the arm was farther from people than it must be, while some were seen."""
 TOPICS = (
     JOINT_STATES, SETPOINTS, TRUTH, GRIPPER_STATE, PALLET_STATE, RESULT, CONTACTS, MOTION_STATUS,
-    MOTION_TARGET, TF_STATIC,
+    MOTION_TARGET, TF_STATIC, SEPARATION,
 )  # fmt: skip
 NEAR = 0.75
 """Share of the usual time between setpoints; a moment farther from all setpoints had none to follow."""
@@ -82,6 +85,7 @@ def _pallet_run(path: Path, goal: int | None) -> PalletRun:
         grip_peaks=_peaks(bag.of(GRIPPER_STATE)), interruptions=interruptions_of(bag.of(MOTION_STATUS)),
         is_cut=bag.is_cut, damaged=bag.damaged, notes=bag.notes, goal=number, stands=standing_cell(frames),
         slow=slow_intervals(bag.of(MOTION_TARGET), bag.of(MOTION_STATUS)),
+        separation=_separation(bag.of(SEPARATION)),
     )  # fmt: skip
 
 
@@ -148,6 +152,14 @@ def slow_intervals(targets: Sequence[Any], statuses: Sequence[Any]) -> tuple[tup
         return bool(status.label == DEPART if own is None else own == Mode.SLOW.value)
 
     return intervals([seconds(item.header.stamp) for item in statuses], [is_slow(item) for item in statuses])
+
+
+def _separation(messages: Sequence[Any]) -> SeparationTrack | None:
+    """The margins that were told; None where nobody was seen, or the recording is older than the topic."""
+    if not messages:
+        return None
+    margin = np.array([message.margin for message in messages])
+    return SeparationTrack(times_of(messages), margin, np.array([item.is_under_way for item in messages]))
 
 
 def _peaks(messages: Sequence[Any]) -> dict[str, tuple[float, float, float]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from control_msgs.action import FollowJointTrajectory
 from control_msgs.msg import JointTrajectoryControllerState
-from pack_interfaces.msg import BoxObstacles, MotionStatus, MotionTarget
+from pack_interfaces.msg import BoxObstacles, MotionStatus, MotionTarget, Separation
 from sensor_msgs.msg import CameraInfo, Image, JointState
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
@@ -39,6 +39,10 @@ MOTION_OBSTACLES = Contract(
     topics.MOTION_OBSTACLES, BoxObstacles, ("sim", "user"), ("motion", "recorder"),
     "where moving obstacles were at the stamp; from the sim of a cell that a sensor watches", qos=LATEST,
     rate="as seen", recorded=True)
+SEPARATION = Contract(
+    "/motion/separation", Separation, ("motion",), ("recorder", "user"),
+    "by how much the arm is farther from people than it must be", qos=STREAM,
+    rate=f"{hz(topics.JOINT_RATE)}, while somebody is seen", recorded=True)
 SETPOINTS = Contract(
     topics.SETPOINTS, JointTrajectory, ("motion",), ("sim", "recorder"),
     "joint positions, velocities and accelerations, stamped with their start, which has come",
