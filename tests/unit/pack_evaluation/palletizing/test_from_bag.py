@@ -178,16 +178,21 @@ def test_a_recorded_order_becomes_arrays_and_measures(tmp_path: Path) -> None:
 def test_margins_to_people_are_those_that_were_told_while_the_arm_was_under_way(tmp_path: Path) -> None:
     told = [
         (2.2 + 0.1 * k, SEPARATION, make(
-            "pack_interfaces/msg/Separation", header=header(2.2 + 0.1 * k), margin=margin, who="person",
-            is_under_way=is_under_way,
+            "pack_interfaces/msg/Separation", header=header(2.2 + 0.1 * k), margin=margin,
+            distance=margin + 0.4, who="person", is_under_way=is_under_way,
         )) for k, (margin, is_under_way) in enumerate([(0.5, True), (0.2, True), (-0.1, False)])
     ]  # fmt: skip
     write_bag(tmp_path, sorted([*an_order(), *told], key=lambda row: row[0]))
-    track = load_pallet_run(tmp_path).separation
+    run = load_pallet_run(tmp_path)
+    track = run.separation
     assert track is not None
     np.testing.assert_allclose(track.times, [2.2, 2.3, 2.4])
     np.testing.assert_allclose(track.margin, [0.5, 0.2, -0.1])
     assert track.is_under_way.tolist() == [True, True, False]
+    visitors = measure_order(run).visitors
+    assert visitors is not None
+    assert (visitors.crossings, visitors.margin_m) == (1, 0.2)
+    assert visitors.least_m == pytest.approx((0.3,))
 
 
 def test_a_topic_that_nobody_sent_is_named(tmp_path: Path) -> None:

@@ -26,7 +26,6 @@ RUN = a_run(tool=ToolTrack(TIMES, np.zeros((len(TIMES), 6)), P, Q, P, Q))
 NEAR = VisitorTrack(
     TIMES,
     np.select([(TIMES > 10.0) & (TIMES < 15.0), TIMES > 30.0], [0.5, 0.05], 3.0),
-    np.ones(len(TIMES)),
 )
 
 

@@ -28,6 +28,7 @@ from pack_evaluation.palletizing.run import (
     StateVisit,
     ToolTrack,
     UnwantedTouch,
+    VisitorTrack,
     intervals,
     tool_track,
 )
@@ -85,7 +86,7 @@ def _pallet_run(path: Path, goal: int | None) -> PalletRun:
         grip_peaks=_peaks(bag.of(GRIPPER_STATE)), interruptions=interruptions_of(bag.of(MOTION_STATUS)),
         is_cut=bag.is_cut, damaged=bag.damaged, notes=bag.notes, goal=number, stands=standing_cell(frames),
         slow=slow_intervals(bag.of(MOTION_TARGET), bag.of(MOTION_STATUS)),
-        separation=_separation(bag.of(SEPARATION)),
+        visitors=_visitors(bag.of(SEPARATION)), separation=_separation(bag.of(SEPARATION)),
     )  # fmt: skip
 
 
@@ -152,6 +153,17 @@ def slow_intervals(targets: Sequence[Any], statuses: Sequence[Any]) -> tuple[tup
         return bool(status.label == DEPART if own is None else own == Mode.SLOW.value)
 
     return intervals([seconds(item.header.stamp) for item in statuses], [is_slow(item) for item in statuses])
+
+
+def _visitors(messages: Sequence[Any]) -> dict[str, VisitorTrack]:
+    """Who was seen, while nobody else had less of a margin; empty in a recording older than the topic."""
+    by_name: dict[str, list[Any]] = {}
+    for message in messages:
+        by_name.setdefault(message.who, []).append(message)
+    return {
+        name: VisitorTrack(times_of(own), np.array([message.distance for message in own]))
+        for name, own in by_name.items()
+    }
 
 
 def _separation(messages: Sequence[Any]) -> SeparationTrack | None:

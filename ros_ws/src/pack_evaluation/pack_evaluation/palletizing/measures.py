@@ -131,7 +131,7 @@ class OrderMeasures:
     ] = field(default_factory=dict)
     visitors: Annotated[
         VisitorMeasures | None,
-        MeasureText("visitors", visitors_text, "crossings, and the least true distance from the arm"),
+        MeasureText("visitors", visitors_text, "crossings, and the least distance from the arm"),
     ] = None
 
 
@@ -270,7 +270,7 @@ class VisitorMeasures:
 
     Attributes:
         crossings: how often a visitor came near the arm.
-        least_m: the least true distance in each crossing, from the arm or what it carries [m].
+        least_m: the least distance in each crossing, from the arm or what it carries [m].
         near_s: time in which a visitor was near [s].
         stopped_s: part of it in which the tool stood [s].
         too_near: crossings with less than the distance that is to be kept.

@@ -230,7 +230,7 @@ def draw_states(figure: Figure, run: PalletRun) -> None:
 
 
 def draw_visitors(figure: Figure, run: PalletRun) -> None:
-    """True distance of visitors from the arm and what it carries, its margin, and the speed of the tool."""
+    """Distance of visitors from the arm and what it carries, its margin, and the speed of the tool."""
     upper, lower = figure.subplots(2, 1, sharex=True)
     for name, track in run.visitors.items():
         upper.plot(track.times, track.distance, lw=1.0, label=name)

@@ -104,13 +104,12 @@ class VisitorTrack:
 
     Attributes:
         times: the moments `(n,)` [s].
-        distance: true distance from the arm and what it carries `(n,)` [m].
-        speed: of the visitor `(n,)` [m/s].
+        distance: from the arm and what it carries `(n,)` [m]: the true one, or in a recording the one that
+            the arm's controller went by.
     """
 
     times: Array
     distance: Array
-    speed: Array
 
 
 @dataclass(frozen=True)

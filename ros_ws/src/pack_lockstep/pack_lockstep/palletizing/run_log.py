@@ -53,7 +53,7 @@ class PalletRunLog:
         self._peaks: dict[str, GripLoad] = {}
         self._way_points: list[WayPoint] = []
         self._targets: list[SentTarget] = []
-        self._visitors: dict[str, list[tuple[float, float, float]]] = {}
+        self._visitors: dict[str, list[tuple[float, float]]] = {}
         self._separation: list[tuple[float, bool]] = []
 
     def note(self, q_ref: Array, motion: MotionController) -> None:
@@ -73,8 +73,8 @@ class PalletRunLog:
         if len(self._times) % self._box_steps == 0:
             truth = simulator.truth()
             self._truth.append(truth)
-            for name, (distance, speed) in simulator.visitor_distances().items():
-                self._visitors.setdefault(name, []).append((truth.time, distance, speed))
+            for name, distance in simulator.visitor_distances().items():
+                self._visitors.setdefault(name, []).append((truth.time, distance))
 
     def note_target(self, X_WT: Pose) -> None:
         """Record that the motion pursues a target with this pose of the tool at its end."""

@@ -250,15 +250,13 @@ class PalletSimulator:
         data = self._kinematics()
         return SceneState(self.time, {name: self._box_state(data, name) for name in self._physics.boxes})
 
-    def visitor_distances(self) -> dict[str, tuple[float, float]]:
-        """By name, each visitor's true distance from the arm and what it carries [m], and its speed [m/s]."""
+    def visitor_distances(self) -> dict[str, float]:
+        """By name, each visitor's true distance from the arm and what it carries [m]."""
         visitors, held = self._physics.visitors, self.gripper.state.held
         if not visitors:
             return {}
         names = [visitor.name for visitor in visitors]
-        apart = visitor_distances(self._physics.model, self._kinematics(), names, held)
-        speeds = {item.name: float(np.linalg.norm(item.at(self.time).v_WV_W)) for item in visitors}
-        return {name: (apart[name], speeds[name]) for name in names}
+        return visitor_distances(self._physics.model, self._kinematics(), names, held)
 
     def snapshot(self) -> Snapshot:
         """What a camera would see now, to be drawn by another thread."""
