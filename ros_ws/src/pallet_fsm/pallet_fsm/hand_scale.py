@@ -5,8 +5,8 @@ The torque of each joint is what the bare arm takes, the friction of the joint, 
     tau = ID(q, v, a) + f sign(v) + m y(q, v, a)
 
 where ID is the inverse dynamics of the arm with an empty hand, and y what a load of 1 kg adds, which is known
-from where the box hangs and how large it is. The friction f is measured whenever the arm moves with an empty
-hand, so that what is weighed is the difference, as with a scale that is set to zero first.
+from where the box hangs and how large it is. The friction f is measured whenever the arm moves at an even
+speed with an empty hand: what is weighed is the difference, as with a scale that is set to zero first.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ accelerates by nothing on average, but its torques are those of the brake."""
 MOVING = 0.01
 """A joint that is slower may stand, and friction that holds it has any value [rad/s]."""
 STEADY = 0.15
-"""Nothing is weighed while a joint accelerates more [rad/s^2]: gears wind up, and motors lead the links."""
+"""Nothing is measured while a joint accelerates more [rad/s^2]: gears wind up, and motors lead the links."""
 TARE = 200
 """Samples after which what was measured with an empty hand counts half as much: about 4 s of motion."""
 PRIOR = 20.0
