@@ -17,6 +17,7 @@ from pack_core.palletizing.ports import PalletObservation, ScanPlace
 from pack_core.palletizing.scanner import PlaceScan
 from pack_core.paths import config_path
 from pack_core.rotations import Pose, from_yaw, multiply
+from pack_perception.scans.comparison import Finding, Oddity
 from pallet_fsm.order_book import OrderBook
 from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.palletizer_config import PalletizerConfig, ScanConfig
@@ -208,3 +209,21 @@ def test_what_is_seen_on_table_b_counts_once() -> None:
 def test_distances_between_which_nothing_would_be_scanned_are_refused() -> None:
     with pytest.raises(ValidationError, match="hides <= clear < near"):
         ScanConfig(near=0.1)
+
+
+def test_what_a_scan_says_of_a_box_that_has_left_with_its_pallet_counts_no_more(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The pallet may be taken away between the scan and its answer."""
+    order = load_order(PLAIN)
+    book = OrderBook.of_order(order, plan_as_given(order), CELL)
+    book.finds_places, gone = True, book.items[-1]
+    seen = FakeCell(order, Faults()).observe()
+    finding = Finding(Oddity.MOVED, gone.name, np.array([0.006, 0.0]))
+    monkeypatch.setattr(PlaceLook, "answer", lambda look, *_: (finding,) if look._name == PALLET else ())
+    watch = PlaceWatch(SCANS, CELL, book)
+    watch.observe(seen)
+    assert watch.change(State.ABOVE_BOX, 0.0) is not None
+    book.strike(gone)
+    watch.observe(seen)
+    assert watch.change(State.ABOVE_BOX, 0.0) is None

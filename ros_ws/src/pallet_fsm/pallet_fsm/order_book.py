@@ -144,6 +144,10 @@ class OrderBook:
         """Take a box more, to be placed after all others."""
         self.items.append(item)
 
+    def has(self, name: str) -> bool:
+        """Whether there is a box of this name, that was not struck."""
+        return any(item.name == name for item in self.items)
+
     def strike(self, item: WorkItem) -> None:
         """Forget a box that is not in work any more: it has left the cell, or another item stands for it."""
         self.items.remove(item)

@@ -214,7 +214,13 @@ class PlaceWatch:
     def observe(self, seen: PalletObservation) -> None:
         """Take note of scans that have come, and have places scanned."""
         carried = self._book.current.carried
-        self._found = {name: look.answer(seen, carried) for name, look in self._looks.items()}
+        # A pallet may have been taken away since it was scanned: its boxes are no longer of this cell.
+        self._found = {
+            name: tuple(
+                item for item in look.answer(seen, carried) if not item.box or self._book.has(item.box)
+            )
+            for name, look in self._looks.items()
+        }
         for name, look in self._looks.items():
             if name in seen.taken or (name == REORIENTATION_TABLE and not self._is_table_in_use):
                 continue
