@@ -18,6 +18,7 @@ from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.imperfections import Displacement
 from pack_core.palletizing.model import build_model
 from pack_core.robots.kr210 import BASE
+from pack_core.ros.contracts import motion as contracts
 from pack_core.rotations import Array, Pose, from_yaw
 from pack_evaluation.bag import Bag, Recorded
 from pack_evaluation.palletizing.from_bag import (
@@ -183,6 +184,7 @@ def test_margins_to_people_are_those_that_were_told_while_the_arm_was_under_way(
         )) for k, (margin, is_under_way) in enumerate([(0.5, True), (0.2, True), (-0.1, False)])
     ]  # fmt: skip
     write_bag(tmp_path, sorted([*an_order(), *told], key=lambda row: row[0]))
+    assert contracts.SEPARATION.name == SEPARATION
     run = load_pallet_run(tmp_path)
     track = run.separation
     assert track is not None
