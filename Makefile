@@ -11,7 +11,7 @@ IN_ENV := source tools/env.sh &&
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
-	@echo '  e.g. make demo SEED=3 ARGS="--no-video"; .venv/bin/pack demo --help lists them'
+	@echo '  e.g. make demo SEED=3 ARGS="--no-video" (.venv/bin/pack demo packing --help)'
 	@echo '       make demo takes 3 to 6 minutes the first time, about 1 afterwards'
 	@echo '       make demo ARGS="--live" shows the run in the browser while it goes on'
 
