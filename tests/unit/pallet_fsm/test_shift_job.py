@@ -4,13 +4,12 @@ import numpy as np
 import pytest
 
 from pack_core.palletizing.cell import PALLET, REJECT_TABLE, REORIENTATION_TABLE, SECOND_PALLET
-from pack_core.palletizing.orders.item_list import Item
+from pack_core.palletizing.orders.item_list import Item, placed_item
 from pack_core.palletizing.orders.layout_plan import PlannedBox
 from pack_core.palletizing.orders.next_place import NextStep, PlaceAnswer
 from pack_core.palletizing.ports import AskPlace, Command, OpenGripper, PursueTarget
 from pack_core.palletizing.shift_journal import EventKind
 from pack_core.rotations import Pose
-from pack_planner.layout.online_packer import placed_item
 from pack_planner.layout.online_planner import OnlineConfig, OnlinePackerConfig
 from pallet_fsm.intake import Arrival
 from pallet_fsm.palletizer_config import FeederConfig, ScanConfig

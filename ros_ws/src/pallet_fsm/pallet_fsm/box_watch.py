@@ -53,11 +53,11 @@ class Feeder:
         if not item.has_come:
             self._commands.append(SpawnBox(item.name, item.box.dims, item.box.weight))
 
-    def forget(self) -> None:
-        """Drop the detection of the box, so that it is detected again."""
-        self.answer = self._looked = None
-        if self.item is not None:
-            self.item.X_WB = None
+    def forget(self, item: WorkItem) -> None:
+        """Drop the detection of the box that is fed, so that it is detected again; of no other one."""
+        if self.item is item:
+            self.answer = self._looked = None
+            item.X_WB = None
 
     def look(self, time: float) -> None:
         """Take a picture of the box; does nothing if one was taken already, or before the box is at rest."""
@@ -234,9 +234,12 @@ class BoxWatch:
         reason = self._second_look.change(seen.time)
         return (Event.BOX_CHANGED, reason) if reason else None
 
-    def forget(self) -> None:
-        """Drop what is known of the box's place, so that it is looked for again."""
-        self._feeder.forget()
+    def forget(self, item: WorkItem) -> None:
+        """Drop where pictures showed a box, so that it is looked for again.
+
+        One that was set aside, or scanned on the conveyor, is left where it is known to stand.
+        """
+        self._feeder.forget(item)
 
     def feed_ahead(self, item: WorkItem, seen: PalletObservation, carried: CarriedBox | None) -> None:
         """Send for the next box and have it looked at while another one is on its way.

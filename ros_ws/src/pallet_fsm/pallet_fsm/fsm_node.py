@@ -38,10 +38,10 @@ from pallet_fsm.ros.order_goal import (
     requested_order,
     to_result,
 )
-from pallet_fsm.ros.shift_goal import ShiftGoalRun, requested_shift
+from pallet_fsm.ros.shift_goal import ShiftGoalRun, TakeOverLook, requested_shift
 from pallet_fsm.shift_job import ShiftConfig, ShiftJob
 from pallet_fsm.states import profile_of
-from pallet_fsm.taking_over import TakenOver
+from pallet_fsm.taking_over import TakenOver, standing_by_journal
 
 
 class PalletFsmNodeConfig(PalletizerConfig):
@@ -105,6 +105,11 @@ class PalletFsmNode(GoalNode):
                 f"the cell has no conveyor under the preset '{self._config.preset}'; "
                 "`pack up palletizing --preset shift` has one"
             )
+        if isinstance(request, RunShift.Goal) and not profile_of(self._config.profile).is_blended:
+            return (
+                f"the profile '{self._config.profile}' rests over the pallet, where none can be replaced; "
+                "allowed for shifts: fsm.profile=blended"
+            )
         seen = self._cell.observe()
         if seen is not None and seen.grip.is_closed:
             return (
@@ -129,7 +134,8 @@ class PalletFsmNode(GoalNode):
             known.check_gap(plan.gap)
             return await self._build(order, plan, known.cell, config)
         finally:
-            self._run = None
+            with self._stepping:
+                self._run = None
 
     async def _run_shift(self, request: RunShift.Goal, cell: PalletizingCell) -> RunShift.Result:
         before = requested_shift(request, self._config.preset)
@@ -138,9 +144,12 @@ class PalletFsmNode(GoalNode):
         def begin(found: TakenOver, boxes: int) -> ShiftJob:
             return ShiftJob(cell, catalogue, self._config.shift, self._config, boxes, found)
 
+        self._cell.begin_shift()
         with ShiftJournal(Path(request.folder) / JOURNAL, before.facts) as journal:
+            standing, clearances = standing_by_journal(before.events), self._config.shift.clearances(cell)
+            look = TakeOverLook(cell, standing, self._config, clearances)
             self._run = run = ShiftGoalRun(
-                self, cell, before, journal, begin, self._cell.apply, self._states, self._config
+                self, cell, before, journal, begin, self._cell.apply, self._states, look
             )
             try:
                 await self.until_goal_ends()

@@ -130,10 +130,14 @@ class Intake:
         infeed = seen.infeed
         if infeed is None or not self._is_sent or self.arrival is not None:
             return ()
-        if self._came is None:
-            if infeed.box and infeed.number != self._number:
+        if not infeed.box or infeed.number != self._number:
+            # None stands there, or another one than was noted: what was begun does not count.
+            self._came = self._asked = None
+            if infeed.box:
                 self._number, self._came = infeed.number, seen.time
             return ()
+        if self._came is None:
+            return ()  # what the conveyor tells is from before the box was sent for
         if self._asked is None:
             return self._look(seen, work)
         scan = next((scan for scan in seen.scans if scan.place == PICKING_TABLE), None)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from pallet_fsm.states import State
 from pallet_fsm.tool_poses import placed_pose
 
 
-@dataclass
+@dataclass(eq=False)
 class WorkItem:
     """A box of the order and its state.
 
@@ -122,6 +122,7 @@ class OrderBook:
         is_next_coming: whether the next box is about to be found: it is worth while to wait for it.
         is_placing_anew: whether another place for the box in the hand is looked for.
         relocated: boxes that were found to stand a little elsewhere, with how far, in words.
+        lost: boxes that were found not to stand where they were put down.
     """
 
     def __init__(
@@ -132,6 +133,7 @@ class OrderBook:
         self.others: tuple[Obstacle, ...] = ()
         self.is_next_coming = self.is_placing_anew = False
         self.relocated: list[tuple[WorkItem, str]] = []
+        self.lost: list[WorkItem] = []
         self.current = next((item for item in self.items if not item.is_finished), self.items[-1])
 
     @classmethod
@@ -202,13 +204,16 @@ class OrderBook:
 
     def lose(self, name: str, reason: str) -> None:
         """Note that a box which was placed no longer stands in its place."""
-        next(item for item in self.items if item.name == name).finish(BoxOutcome.LOST, reason)
+        item = next(item for item in self.items if item.name == name)
+        item.finish(BoxOutcome.LOST, reason)
+        self.lost.append(item)
 
     def relocate(self, name: str, moved: Callable[[Pose], Pose], reason: str) -> None:
         """Note that a box that was placed stands a little elsewhere: at `moved` of where it stood."""
         item = next(item for item in self.items if item.name == name)
         assert item.X_WB is not None
         item.X_WB = moved(item.X_WB)
+        item.plan = replace(item.plan, placed=as_it_stands(item, self._cell))
         self.relocated.append((item, reason))
 
     def is_beside(self, name: str, shift_W: Array) -> bool:
@@ -249,6 +254,15 @@ class OrderBook:
 def standing_box(box: OrderBox, X_WB: Pose) -> Obstacle:
     """The obstacle of a box that stands at X_WB."""
     return Obstacle(box.id, X_WB, np.array(box.dims))
+
+
+def as_it_stands(work: WorkItem, cell: PalletizingCell) -> PlacedBox:
+    """A box that was put down on a pallet or table: where it was let go, at the height of its place."""
+    placed = work.plan.placed
+    if work.outcome is not BoxOutcome.PLACED or work.X_WB is None:
+        return placed
+    shift = cell.deck(work.deck).X_WD.inverse().apply(work.X_WB.p) - placed.centre
+    return placed.moved([shift[0], shift[1], 0.0])
 
 
 def neighbours(placed: PlacedBox, others: Mapping[str, PlacedBox]) -> frozenset[str]:

@@ -9,7 +9,6 @@ from pack_core.motion.target import MotionState, MotionStatus
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.grip import ASKED, GripState
 from pack_core.palletizing.orders.handling import Handling
-from pack_core.palletizing.orders.layout_plan import PlannedBox
 from pack_core.palletizing.ports import (
     CloseGripper,
     Command,
@@ -73,6 +72,11 @@ class GripCycle:
         self.reason = answer or f"the gripper does not {self._grip.value}"
         return self._end(Event.GRIP_FAILED if wanted else Event.HALTED)
 
+    def cut_short(self, state: GripState) -> Event | None:
+        """End an opening before its time if the gripper is open already; None where it is not."""
+        is_open = self.is_busy and self._grip is Grip.OPEN and not state.is_closed
+        return self._end(Event.RELEASED) if is_open else None
+
     def _end(self, event: Event) -> Event:
         self.is_busy = False
         return event
@@ -102,13 +106,17 @@ class Palletizer:
         self.machine = Machine(time, self._holds, self.item.name)
         self._legs = LegRunner(self._profile, self._book, cell, config, self._stop_after)
         self._commands: list[Command] = []
-        self._refused: PlannedBox | None = None
         self._halt = ""
 
     @property
     def item(self) -> WorkItem:
         """The box in work."""
         return self._book.current
+
+    @property
+    def is_weighing(self) -> bool:
+        """Whether the box in the hand may still turn out to be another one, and go back to where it was."""
+        return self._load.is_weighing
 
     @property
     def leg_end(self) -> State | None:
@@ -143,16 +151,19 @@ class Palletizer:
     def _happened(self, seen: PalletObservation) -> tuple[Event, str] | None:
         """The event that takes the machine on, and its reason; None while there is none."""
         state = self.machine.state
-        if state in (State.BOX_CHANGED, State.WRONG_WEIGHT) and not _is_standing(seen.motion):
+        goes_back = state in (State.BOX_CHANGED, State.WRONG_WEIGHT)
+        if goes_back and not _is_standing(seen.motion) and not self._halt:
             return None  # it goes back from where it comes to rest
         if self._book.is_placing_anew and not self._halt:
             return None
         if state in FAULTS:
-            return Event.ASSESSED, ""
+            return Event.ASSESSED, self._halt
         if state is State.SKIP_BOX:
             return Event.SKIPPED, ""
         if self._halt:
-            return Event.HALTED, self._halt
+            # A box that is out of the hand stands where it is, which must be known when the arm has stopped.
+            released = self._grip.cut_short(seen.grip)
+            return (Event.HALTED, self._halt) if released is None else (released, "")
         if (change := self._places.change(state, seen.time)) is not None:
             return change
         if state is State.SPAWN:
@@ -234,7 +245,7 @@ class Palletizer:
                 item.finish(BoxOutcome.PLACED)
             elif state is State.PUT_BACK:
                 item.tries[state] += 1
-                self._watch.forget()
+                self._watch.forget(item)
             else:
                 item.approach = self._legs.approach
         elif event is Event.REACHED and state is State.RETURN:
@@ -244,19 +255,16 @@ class Palletizer:
         self.item.tries[fault] += 1
         may_have_moved = before in ROWS and ROWS[before].place is Place.TABLE_A  # the pad pushed it
         if fault in (State.NO_DETECTION, State.WRONG_SIZE) or may_have_moved:
-            self._watch.forget()
-        if fault is State.NOT_CLEAR:
-            is_placed_anew = before in CARRYING and self._book.finds_places
-            self._refused, self._book.is_placing_anew = (
-                self.item.plan if is_placed_anew else None,
-                is_placed_anew,
-            )
+            self._watch.forget(self.item)
+        if fault is State.NOT_CLEAR and self.item.X_TB is not None:
+            self.item.refused.add(self.item.deck)
+            self._book.is_placing_anew = before in CARRYING and self._book.finds_places
         if fault is State.PLACE_CHANGED:
             self._places.note_loss()
         if fault in (State.MOTION_STUCK, State.BOX_CHANGED, State.WRONG_WEIGHT):
             self._commands.append(StopArm())
         if fault is State.BOX_CHANGED:
-            self._watch.forget()
+            self._watch.forget(self.item)
         if fault in (State.BOX_CHANGED, State.WRONG_WEIGHT):
             self._legs.drop()
         if fault in (State.BOX_LOST, State.LIMIT_PASSED):
@@ -294,7 +302,7 @@ class Palletizer:
             Guard.IS_FINISHED: item.is_finished,
             Guard.IS_ON_TABLE: item.approach is not None,
             Guard.IS_FROM_TABLE_A: item.X_WG is not None,
-            Guard.HAS_OTHER_PLACE: self._refused is not None and item.plan is not self._refused,
+            Guard.HAS_OTHER_PLACE: item.X_TB is not None and item.deck not in item.refused,
             Guard.IS_UNSEEN: item.X_WB is None and item.X_TB is None,
         }[guard]
 

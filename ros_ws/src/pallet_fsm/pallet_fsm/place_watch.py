@@ -280,7 +280,8 @@ class PlaceWatch:
     def _is_table_in_use(self) -> bool:
         """Whether the box in work is on its way to table B, or a box stands there."""
         item = self._book.current
-        is_on_its_way = item.handling is Handling.TABLE and item.X_TB is not None and item.approach is None
+        goes_there = item.handling is Handling.TABLE or item.deck == REORIENTATION_TABLE
+        is_on_its_way = goes_there and item.X_TB is not None and item.approach is None
         return is_on_its_way or bool(self._book.standing_on(REORIENTATION_TABLE))
 
 

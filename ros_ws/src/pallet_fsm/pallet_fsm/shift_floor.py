@@ -7,13 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from pack_core.palletizing.cell import PICKING_TABLE, REJECT_TABLE, REORIENTATION_TABLE, PalletizingCell
-from pack_core.palletizing.orders.item_list import Item, order_box
+from pack_core.palletizing.orders.item_list import Item, order_box, placed_item
 from pack_core.palletizing.orders.layout_plan import Insertion, PlannedBox
 from pack_core.palletizing.orders.next_place import PlaceAnswer, StandingPallet
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.rotations import Array
 from pallet_fsm.intake import Arrival
-from pallet_fsm.order_book import OrderBook, WorkItem
+from pallet_fsm.order_book import OrderBook, WorkItem, as_it_stands
 from pallet_fsm.report import BoxOutcome
 
 STRAIGHT_DOWN = Insertion("Center", np.zeros(3), 0.0)
@@ -81,7 +81,7 @@ class ShiftFloor:
     def standing(self, place: str) -> StandingPallet:
         """A pallet with its boxes, where they were put down, and those on their way, where they will be."""
         boxes = tuple(
-            _as_it_stands(work, self._cell)
+            self._listed(as_it_stands(work, self._cell))
             for work in self.boxes_of(place)
             if work.outcome in (BoxOutcome.PLACED, BoxOutcome.PENDING)
         )
@@ -165,6 +165,10 @@ class ShiftFloor:
     def _set_aside(self) -> list[WorkItem]:
         return self.boxes_of(REORIENTATION_TABLE)
 
+    def _listed(self, placed: PlacedBox) -> PlacedBox:
+        """A box with what may stand on it, which neither a message of a plan nor the journal has."""
+        return placed_item(self._items[placed.id], placed.lower, placed.size)
+
     def _on_table(self, item: Item, table: str, middle_W: Array, size: tuple[float, ...]) -> PlannedBox:
         """A place on a table with a box's middle at a point `(2,)` [m] of the world."""
         X_WD = self._cell.deck(table).X_WD
@@ -187,12 +191,3 @@ class ShiftFloor:
 
 def _waits_on_table(work: WorkItem) -> bool:
     return work.source == REORIENTATION_TABLE and work.approach is None
-
-
-def _as_it_stands(work: WorkItem, cell: PalletizingCell) -> PlacedBox:
-    """A box on a pallet: where it was let go, at the height of its place."""
-    placed = work.plan.placed
-    if work.outcome is not BoxOutcome.PLACED or work.X_WB is None:
-        return placed
-    shift = cell.deck(work.deck).X_WD.inverse().apply(work.X_WB.p) - placed.centre
-    return placed.moved([shift[0], shift[1], 0.0])

@@ -17,7 +17,7 @@ from pack_core.palletizing.orders.item_list import Item
 from pack_core.palletizing.orders.layout_plan import PlannedBox
 from pack_core.palletizing.orders.next_place import NextStep, PlaceAnswer, PlaceQuestion
 from pack_core.palletizing.ports import AskPlace, Command, DiscardBox, PalletObservation, TakePallet
-from pack_core.palletizing.shift_journal import EventKind, ShiftEvent
+from pack_core.palletizing.shift_journal import ShiftEvent
 from pallet_fsm.intake import Intake, IntakeConfig
 from pallet_fsm.order_book import WorkItem
 from pallet_fsm.palletizer import Palletizer
@@ -25,6 +25,7 @@ from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.place_watch import ArmShadow
 from pallet_fsm.report import BoxOutcome
 from pallet_fsm.shift_floor import ShiftFloor
+from pallet_fsm.shift_notes import ShiftNotes
 from pallet_fsm.states import State
 from pallet_fsm.taking_over import TakenOver
 
@@ -46,6 +47,11 @@ class ShiftConfig(Config):
         default=0.3, description="distance of arm and carried box from a pallet, seen from above, from which "
         "on it is taken away [m]",
     )  # fmt: skip
+
+    def clearances(self, cell: PalletizingCell) -> dict[str, float]:
+        """From which distance on the arm is out of the way of each place, before a shift begins [m]."""
+        pallets = dict.fromkeys(cell.pallets, self.away)
+        return {PICKING_TABLE: self.intake.clear, REORIENTATION_TABLE: 0.0, **pallets}
 
 
 class ShiftJob:
@@ -75,15 +81,16 @@ class ShiftJob:
         self._shadows = {
             block.name: ArmShadow(block, cell) for block in cell.furniture if block.name in cell.pallets
         }
-        self._came = self._rejects = self._asked = self._noted = 0
+        self._came = self._rejects = self._asked = 0
         self._sent = self._asked_at = 0.0
         self._arriving: WorkItem | None = None
         self._unreported: list[WorkItem] = []
         self._closing = set(found.closed)
         self._question: PlaceQuestion | None = None
         self._blocked: frozenset[str] | None = None
-        self._events: list[ShiftEvent] = []
-        self._halt, self._doubts, self._has_begun = "", found.doubts, False
+        self._notes = ShiftNotes()
+        self._found: TakenOver | None = found
+        self._halt = self._ending = ""
         self.machine: Palletizer | None = None
         self.reason = ""
 
@@ -94,11 +101,10 @@ class ShiftJob:
 
     def events(self) -> tuple[ShiftEvent, ...]:
         """What has happened since the last call."""
-        events, self._events = tuple(self._events), []
-        return events
+        return self._notes.fetch()
 
     def halt(self, reason: str) -> None:
-        """Stop safely at the next step."""
+        """Stop the arm safely at the next step."""
         self._halt = reason
         if self.machine is not None:
             self.machine.halt(reason)
@@ -107,19 +113,34 @@ class ShiftJob:
         """Go as far as the observation allows, and return the commands of this step."""
         if self.is_over:
             return ()
-        if not self._has_begun:
-            self._has_begun = True
-            self._note(seen, EventKind.BEGAN, reason="; ".join(self._doubts), standing=len(self._floor.work))
-        commands = [*self._take_in(seen), *self._decide(seen), *self._clear_away(seen)]
+        self._notes.observe(seen)
+        commands = [*self._begin(), *self._take_in(seen), *self._decide(seen), *self._clear_away(seen)]
         if self.machine is None and self._floor.pending:
             self.machine = Palletizer(self._floor.begin(), self._cell, self._machine_config, seen.time)
-            self._noted = 0
         if self.machine is not None:
             self._tell_of_next()
             commands += self.machine.step(seen)
-            self._note_progress(seen)
+            self._follow_machine()
         self._end(seen)
         return tuple(commands)
+
+    def _begin(self) -> list[Command]:
+        """Note what was taken over, once, and have rejected boxes taken away that are still there."""
+        found, self._found = self._found, None
+        if found is None:
+            return []
+        self._notes.began(found.doubts, len(self._floor.work))
+        for work, reason in found.moved:
+            self._notes.moved(work, reason)
+        for work, reason in found.lost:
+            self._notes.lost(work, reason)
+        for box in found.rejected:
+            self._notes.reject_taken(box)
+        return [DiscardBox(box) for box in found.rejected]
+
+    def _wind_up(self, reason: str) -> None:
+        """Take nothing more in, and end once the arm has done what it is at."""
+        self._ending = self._ending or reason
 
     @property
     def _busy(self) -> WorkItem | None:
@@ -141,47 +162,47 @@ class ShiftJob:
             self._arriving = None
             intake.clear()
         has_box = intake.arrival is not None or intake.is_sent
-        if not has_box and self._came < self._boxes:
+        if not has_box and self._came < self._boxes and not self._ending:
             self._sent = seen.time
             return [intake.send()]
         commands = list(intake.step(seen, self._busy))
-        arrival = intake.arrival
-        if arrival is not None and before is None:
+        if intake.arrival is not None and before is None:
             self._came += 1
-            item = arrival.item
-            self._note(
-                seen, EventKind.CAME, arrival.box, PICKING_TABLE, arrival.doubt, size=arrival.dims.tolist(),
-                article="" if item is None else item.article,
-            )  # fmt: skip
+            self._notes.came(intake.arrival)
+        if intake.reason:
+            self._wind_up(intake.reason)
         return commands
 
     def _has_left(self, work: WorkItem, seen: PalletObservation) -> bool:
-        """Whether a box is neither on the conveyor nor over it any more."""
+        """Whether a box is neither on the conveyor nor over it any more, and does not come back."""
         if work.is_finished or work is not self._busy:
             return work.is_finished
+        assert self.machine is not None
         is_away = work.X_TB is not None or work.approach is not None
-        return is_away and self._intake.is_clear(seen, work)
+        return is_away and not self.machine.is_weighing and self._intake.is_clear(seen, work)
 
     def _decide(self, seen: PalletObservation) -> list[Command]:
         """Ask where the box goes that has come, and do what is answered."""
         if self._question is not None:
-            if seen.place is None or seen.place.number != self._question.number:
-                if seen.time > self._asked_at + self._config.answer:
-                    self.halt("nobody answers where the next box goes")
-                return []
+            answer = seen.place
+            if answer is None or answer.number != self._question.number:
+                if seen.time <= self._asked_at + self._config.answer:
+                    return []
+                self._wind_up("nobody answers where the next box goes")
+                answer = None
             asked, self._question = self._question, None
             if self._is_placing_anew and asked.known[0].id == self._held.name:
-                self._place_anew(self._held, seen.place, seen)
-            else:
-                self._follow(seen.place, seen)
+                self._place_anew(self._held, answer)
+            elif answer is not None:
+                self._follow(answer, seen)
         if self._is_placing_anew:
             return self._ask_anew(self._held, seen)
         arrival = self._intake.arrival
         has_upcoming = any(work is not self._busy for work in self._floor.pending)
-        if arrival is None or self._arriving is not None or has_upcoming:
+        if arrival is None or self._arriving is not None or has_upcoming or self._ending:
             return []
         if arrival.item is None:
-            self._send_away(arrival.doubt, seen)
+            self._send_away(arrival.doubt)
             return []
         places = self._open_pallets(seen)
         if not places or self._blocked == frozenset(places):
@@ -207,17 +228,16 @@ class ShiftJob:
 
     def _ask_anew(self, work: WorkItem, seen: PalletObservation) -> list[Command]:
         """Ask for a place of the box in the hand on another pallet than those to which there was no way."""
-        work.refused.add(work.deck)
         places = [place for place in self._open_pallets(seen) if place not in work.refused]
-        if not places:
-            self._place_anew(work, None, seen)
+        if not places or self._ending:
+            self._place_anew(work, None)
             return []
         self._asked, self._asked_at = self._asked + 1, seen.time
         standing = tuple(self._floor.standing(place) for place in places)
         self._question = PlaceQuestion(self._asked, standing, (), (self._floor.held(work),), 0)
         return [AskPlace(self._question)]
 
-    def _place_anew(self, work: WorkItem, answer: PlaceAnswer | None, seen: PalletObservation) -> None:
+    def _place_anew(self, work: WorkItem, answer: PlaceAnswer | None) -> None:
         """Bring the box in the hand where was answered, else to table B, else to where boxes are rejected."""
         found: tuple[PlannedBox, str] | None = None
         step = NextStep.PLACE
@@ -228,11 +248,7 @@ class ShiftJob:
         if found is not None:
             plan, deck = found
             self._floor.put_elsewhere(work, plan, deck)
-            reason = "there is no way to its first place"
-            lower, size = plan.placed.lower.tolist(), plan.placed.size.tolist()
-            self._note(
-                seen, EventKind.DECIDED, work.name, deck, reason, step=step.value, lower=lower, size=size
-            )
+            self._notes.decided(step, work.name, deck, "there is no way to its first place", plan.placed)
         assert self._floor.book is not None
         self._floor.book.is_placing_anew = False
 
@@ -243,17 +259,13 @@ class ShiftJob:
         """Do what was answered."""
         arrival, self._blocked = self._intake.arrival, None
         assert arrival is not None
-        data: dict[str, object] = {"step": answer.step.value}
         match answer.step:
             case NextStep.PLACE:
-                assert answer.plan is not None
-                placed = answer.plan.placed
-                data |= {"lower": placed.lower.tolist(), "size": placed.size.tolist()}
                 self._expect(self._floor.place(answer, arrival))
             case NextStep.SET_ASIDE if arrival.item is not None:
                 self._expect(self._floor.set_aside(arrival.item))
             case NextStep.REJECT:
-                self._send_away(answer.reason, seen)
+                self._send_away(answer.reason)
                 return
             case NextStep.CLOSE:
                 places = self._open_pallets(seen)
@@ -261,74 +273,72 @@ class ShiftJob:
                     self._blocked = frozenset(places)  # an empty pallet comes soon
                     return
                 self._closing.add(answer.pallet)
-        self._note(seen, EventKind.DECIDED, answer.item, answer.pallet, answer.reason, **data)
+        placed = None if answer.plan is None else answer.plan.placed
+        self._notes.decided(answer.step, answer.item, answer.pallet, answer.reason, placed)
 
     def _expect(self, work: WorkItem) -> None:
         """Note that the machine is to move a box."""
         self._unreported.append(work)
         if work.source == PICKING_TABLE:
             self._arriving = work
+            self._rejects = self._rejects + 1 if work.deck == REJECT_TABLE else 0
 
-    def _send_away(self, reason: str, seen: PalletObservation) -> None:
+    def _send_away(self, reason: str) -> None:
         """Have the box that came put where somebody takes it away, or call a person to take it."""
         arrival = self._intake.arrival
         assert arrival is not None
-        self._rejects += 1
-        self._note(seen, EventKind.DECIDED, arrival.box, REJECT_TABLE, reason, step=NextStep.REJECT.value)
+        self._notes.decided(NextStep.REJECT, arrival.box, REJECT_TABLE, reason, None)
         if arrival.X_WB is None:
-            self.halt(f"take box {arrival.box} off the conveyor: {reason}")
-        else:
-            self._expect(self._floor.send_away(arrival))
+            self._wind_up(f"take box {arrival.box} off the conveyor: {reason}")
+            return
+        self._expect(self._floor.send_away(arrival))
+        if self._rejects >= self._config.most_rejects:
+            self._wind_up(f"{self._rejects} boxes in a row belong on no pallet: look at the conveyor")
 
-    def _note_moved(self, seen: PalletObservation) -> None:
-        """Note boxes found a little elsewhere; what was to come to that pallet is decided on anew."""
+    def _note_changes(self) -> None:
+        """Note boxes that are gone, and those that stand a little elsewhere.
+
+        What was to come to a pallet on which one was moved is decided on anew.
+        """
         book = self._floor.book
         assert book is not None
-        moved, book.relocated = book.relocated, []
+        moved, lost = book.relocated, book.lost
+        book.relocated, book.lost = [], []
+        for work in lost:
+            self._notes.lost(work, work.reason)
         for work, reason in moved:
-            assert work.X_WB is not None
-            pose = [*work.X_WB.p.tolist(), *work.X_WB.q.tolist()]
-            self._note(seen, EventKind.MOVED, work.name, work.deck, reason, pose=pose)
+            self._notes.moved(work, reason)
+            self._question = None
             for other in self._floor.pending:
                 if other is not self._busy and other.deck == work.deck:
                     other.finish(BoxOutcome.SKIPPED, reason)
 
-    def _note_progress(self, seen: PalletObservation) -> None:
+    def _follow_machine(self) -> None:
         """Note the states that were entered, and what became of boxes."""
         assert self.machine is not None
-        self._note_moved(seen)
+        self._note_changes()
         machine = self.machine.machine
-        for visit in machine.visits[self._noted :]:
-            state = {"state": visit.state.label, "event": visit.event.value if visit.event else ""}
-            self._events.append(ShiftEvent(visit.time, EventKind.STATE, visit.box, "", visit.reason, state))
-        self._noted = len(machine.visits)
+        self._notes.states(machine)
         for work in [work for work in self._unreported if work.is_finished]:
             self._unreported.remove(work)
-            self._note_outcome(work, seen)
+            self._note_outcome(work)
         if machine.state is State.SAFE_STOP:
             self.reason = machine.reason or "the arm has stopped"
         elif machine.state is State.DONE:
             self.machine = self._floor.book = None
 
-    def _note_outcome(self, work: WorkItem, seen: PalletObservation) -> None:
+    def _note_outcome(self, work: WorkItem) -> None:
         if work.outcome is BoxOutcome.SKIPPED and work is not self._busy:
             self._floor.decide_anew(work)  # what it was to stand on is not there
             self._arriving = None if work is self._arriving else self._arriving
             return
-        if work.outcome is not BoxOutcome.PLACED:
-            kind = EventKind.SKIPPED if work.outcome is BoxOutcome.SKIPPED else EventKind.LOST
-            self._note(seen, kind, work.name, work.deck, work.reason)
-            return
-        assert work.X_WB is not None
-        placed = work.plan.placed
-        self._note(
-            seen, EventKind.PUT_DOWN, work.name, work.deck,
-            pose=[*work.X_WB.p.tolist(), *work.X_WB.q.tolist()],
-            handling=work.handling.value, lower=placed.lower.tolist(), size=placed.size.tolist(),
-            item=self._floor.item(work.name).model_dump(mode="json"),
-        )  # fmt: skip
-        if work.deck != REJECT_TABLE:
-            self._rejects = 0
+        match work.outcome:
+            case BoxOutcome.PLACED:
+                self._notes.put_down(work, self._floor.item(work.name))
+            case BoxOutcome.SKIPPED:
+                self._notes.skipped(work, work.reason)
+            case _:
+                self._notes.lost(work, work.reason)
 
     def _clear_away(self, seen: PalletObservation) -> list[Command]:
         """Have rejected boxes and full pallets taken away that the arm has left, and forget skipped boxes."""
@@ -339,6 +349,7 @@ class ShiftJob:
         for work in self._floor.boxes_of(REJECT_TABLE):
             if work.is_finished and work is not self._busy:
                 self._floor.forget(work)
+                self._notes.reject_taken(work.name)
                 commands.append(DiscardBox(work.name))
         for place in sorted(self._closing):
             boxes, busy = self._floor.boxes_of(place), self._busy
@@ -350,32 +361,26 @@ class ShiftJob:
             for work in boxes:
                 self._floor.forget(work)
             names = tuple(work.name for work in boxes if work.outcome is BoxOutcome.PLACED)
-            self._note(seen, EventKind.TAKEN, place=place, boxes=list(names))
+            self._notes.pallet_taken(place, names)
             commands.append(TakePallet(place, names))
         return commands
 
     def _end(self, seen: PalletObservation) -> None:
         """End where nothing is left to do, or where a person is needed."""
         if self.machine is None:
-            self.reason = self._halt or self._intake.reason or self._why_done(seen)
-        elif self._intake.reason and not self._halt:
-            self.halt(self._intake.reason)
+            self.reason = self._halt or self._why_done(seen)
         if self.reason:
-            self._note(seen, EventKind.ENDED, reason=self.reason)
+            self._notes.ended(self.reason)
 
     def _why_done(self, seen: PalletObservation) -> str:
         """Why nothing is left to do for an arm that rests; empty where something is."""
-        if self._rejects >= self._config.most_rejects:
-            return f"{self._rejects} boxes in a row belong on no pallet: look at the conveyor"
-        if self._floor.pending or self._intake.arrival is not None or self._closing:
+        if self._floor.pending or self._closing or self._floor.boxes_of(REJECT_TABLE):
+            return ""  # what is full or rejected is taken away first
+        if self._ending:
+            return self._ending
+        if self._intake.arrival is not None:
             return ""
         if self._came >= self._boxes:
             return f"all {self._boxes} boxes came"
         is_late = self._intake.is_waiting and seen.time > self._sent + self._config.patience
         return f"no box has come for {self._config.patience:g} s" if is_late else ""
-
-    def _note(
-        self, seen: PalletObservation, kind: EventKind, box: str = "", place: str = "", reason: str = "",
-        **data: object,
-    ) -> None:  # fmt: skip
-        self._events.append(ShiftEvent(seen.time, kind, box, place, reason, data))

@@ -11,7 +11,7 @@ from pack_bringup.graph.graph import conditions, flat_parameters
 from pack_bringup.job import Progress, recorder_parameters
 from pack_core.config import merged
 from pack_core.palletizing.calibration import known_cell
-from pack_core.palletizing.shift_journal import JOURNAL, SETTLED, read_journal
+from pack_core.palletizing.shift_journal import JOURNAL, SETTLED, read_interrupted
 from pack_core.paths import config_path
 
 if TYPE_CHECKING:
@@ -187,7 +187,7 @@ class ShiftGoal:
         from pack_core.ros.messages.palletizing import to_simulated
         from pallet_fsm.taking_over import standing_by_journal
 
-        written = read_journal(self.folder / JOURNAL)
+        written = read_interrupted(self.folder / JOURNAL)
         standing = [
             to_simulated(BoxBody(work.name, work.box.dims, work.box.weight), work.X_WB)
             for work, _ in standing_by_journal(written.events)

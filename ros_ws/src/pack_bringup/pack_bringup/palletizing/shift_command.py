@@ -121,19 +121,19 @@ def demo_shift(boxes: int, seed: int, folder: Path, *, is_resumed: bool) -> None
         is_resumed: whether it goes on with what the journal there has; boxes and seed are those of it.
     """
     from pack_bringup.cli.outputs import make_output_folder
-    from pack_core.palletizing.shift_journal import JOURNAL, ShiftJournal, WrittenShift, read_journal
+    from pack_core.palletizing.shift_journal import JOURNAL, ShiftJournal, WrittenShift, read_interrupted
     from pack_lockstep.palletizing.shift import BoxStreamConfig
     from pack_lockstep.palletizing.shift_lockstep import ShiftLockstep, shift_run_setup
     from pack_planner.layout.online_planner import OnlineConfig
     from pack_sim.palletizing.arrivals import ArrivalConfig
 
+    setup = shift_run_setup(OnlineConfig(), BoxStreamConfig(), ArrivalConfig())
     before = WrittenShift({}, ())
     if is_resumed:
-        before = read_journal(folder / JOURNAL)
+        before = read_interrupted(folder / JOURNAL, setup.stream.cell.preset)
         boxes, seed = before.facts["boxes"], before.facts["seed"]
     else:
         make_output_folder(folder, taken_by=(JOURNAL,))
-    setup = shift_run_setup(OnlineConfig(), BoxStreamConfig(), ArrivalConfig())
     facts = {"seed": seed, "boxes": boxes, "preset": setup.stream.cell.preset}
     with ShiftJournal(folder / JOURNAL, facts) as journal:
 
@@ -288,6 +288,8 @@ def _line(event: ShiftEvent) -> str:
             what = f"came, {edges} mm" + (f", {event.reason}" if event.reason else "")
         case "put down":
             what = f"stands on {event.place.replace('_', ' ')}"
+        case "taken" if event.box:
+            what = f"is taken away from the {event.place.replace('_', ' ')}"
         case "taken":
             what = f"{event.place.replace('_', ' ')} with {len(event.data['boxes'])} boxes is taken away"
         case "moved":

@@ -89,7 +89,9 @@ class ShiftJournal:
             self._file.execute("PRAGMA synchronous = FULL")
             self._file.executescript(TABLES)
             rows = [(name, json.dumps(value)) for name, value in facts.items()]
+            self._file.execute("BEGIN")  # all facts or none, whenever the process is killed
             self._file.executemany("INSERT OR IGNORE INTO facts VALUES (?, ?)", rows)
+            self._file.execute("COMMIT")
         except sqlite3.Error as error:
             raise ConfigError(f"{path} cannot be written as a journal: {error}") from error
 
@@ -147,6 +149,34 @@ def read_journal(path: Path) -> WrittenShift:
     except (sqlite3.Error, ValueError) as error:
         raise ConfigError(f"{path} is no journal of a shift: {error}") from error
     return WrittenShift(facts, tuple(events))
+
+
+FACTS = ("seed", "boxes", "preset")
+"""What a journal has to say of its shift before that can be gone on with."""
+
+
+def read_interrupted(path: Path, preset: str | None = None) -> WrittenShift:
+    """Read the journal of a shift that is to be gone on with.
+
+    Args:
+        path: the file.
+        preset: of the cell in which it is gone on with; None where that is not known here.
+
+    Raises:
+        ConfigError: it cannot be read, its shift was never begun, or it is of another cell.
+    """
+    written = read_journal(path)
+    if missing := [name for name in FACTS if name not in written.facts]:
+        raise ConfigError(
+            f"{path} does not say {', '.join(missing)}: its shift never began; begin another one, in another "
+            "folder"
+        )
+    if preset is not None and written.facts["preset"] != preset:
+        raise ConfigError(
+            f"{path} is of the preset '{written.facts['preset']}', this cell is under '{preset}'; go on with "
+            "it in a cell under its preset"
+        )
+    return written
 
 
 JOURNAL = "journal.db"

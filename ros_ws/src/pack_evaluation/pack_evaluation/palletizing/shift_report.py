@@ -82,7 +82,7 @@ def built_pallets(events: Sequence[ShiftEvent]) -> list[BuiltPallet]:
     for event in events:
         if event.kind is EventKind.PUT_DOWN and event.place in PALLETS:
             standing.setdefault(event.place, []).append(event)
-        elif event.kind is EventKind.TAKEN:
+        elif event.kind is EventKind.TAKEN and event.place in PALLETS:
             boxes = tuple(standing.pop(event.place, []))
             found.append(BuiltPallet(event.place, boxes, event.time))
     return [*found, *(BuiltPallet(place, tuple(boxes), None) for place, boxes in standing.items())]

@@ -7,14 +7,13 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar
 
-from pack_core.palletizing.orders.item_list import Item
+from pack_core.palletizing.orders.item_list import Item, placed_item
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.palletizing.shift_journal import EventKind, ShiftEvent, WrittenShift
 from pack_evaluation.palletizing.shift_report import shift_report
 from pack_lockstep.benchmarking.benchmark import Benchmark, Verdict
 from pack_lockstep.palletizing.shift import StreamJob, judged_stack
 from pack_lockstep.palletizing.shift_lockstep import ClosedPallet, ShiftLockstep, ShiftRun, ShiftRunSetup
-from pack_planner.layout.online_packer import placed_item
 
 
 def run_moving(setup: ShiftRunSetup, boxes: int, job: StreamJob) -> dict[str, Any]:

@@ -137,7 +137,7 @@ class ShiftLockstep:
         self._pallets: list[ClosedPallet] = []
 
     def _taken_over(self, before: Sequence[ShiftEvent], config: ScanConfig) -> TakenOver:
-        """What the journal says is put into the simulated cell; what is seen of it then."""
+        """What the journal says is put into the simulated cell, but for rejects; what is seen of it then."""
         standing = standing_by_journal(before)
         if not standing:
             return TakenOver()
@@ -164,7 +164,7 @@ class ShiftLockstep:
             self.stepped.advance()
         fallen = [name for name, state in simulator.truth().objects.items() if state.X_WO.p[2] < FALLEN]
         touches = [UnwantedTouch(e.time, e.bodies, e.force) for e in simulator.contacts.events]
-        left = tuple(self._closed(place, self._over(place)) for place in self._cell.pallets)
+        left = tuple(self._closed(place, simulator.over(place)) for place in self._cell.pallets)
         return ShiftRun(
             self._seed, self.job.reason, simulator.time, tuple(events), tuple(self._pallets), left,
             self._arrivals.faults, tuple(touches), tuple(fallen), tuple(self._decisions),
@@ -198,14 +198,3 @@ class ShiftLockstep:
         truth = simulator.truth().objects
         boxes = {box: truth[box.name].X_WO for box in simulator.boxes if box.name in names}
         return ClosedPallet(place, simulator.time, boxes)
-
-    def _over(self, place: str) -> tuple[str, ...]:
-        """Names of the boxes that truly are over a pallet."""
-        deck = self._cell.deck(place)
-        held, X_DW = self.stepped.simulator.gripper.state.held, deck.X_WD.inverse()
-        return tuple(
-            name
-            for name, state in self.stepped.simulator.truth().objects.items()
-            if name != held and np.all(np.abs(X_DW.apply(state.X_WO.p)[:2] - 0.5 * np.array(deck.size))
-                                       <= 0.5 * np.array(deck.size))
-        )  # fmt: skip

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
@@ -13,7 +12,7 @@ from pydantic import AfterValidator, Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.palletizing.orders.handling import PRICE, Handling, TurnChoice, turns_of
-from pack_core.palletizing.orders.item_list import Item
+from pack_core.palletizing.orders.item_list import Item, placed_item
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.palletizing.orders.stack import Stack, empty_stack, with_box
 from pack_core.palletizing.orders.support import SupportConfig
@@ -175,12 +174,6 @@ def best_place(
         entry = PackedItem(item, turns[every_choice[m]], placed_item(item, every_place[m], every_size[m]))
         if is_allowed(entry):
             return FoundPlace(entry, float(every_price[m]))
-
-
-def placed_item(item: Item, lower: Array, size: Array) -> PlacedBox:
-    """An item at a place, with what may stand on it."""
-    limits = (math.inf if limit is None else limit for limit in (item.max_load, item.max_pressure))
-    return PlacedBox(item.id, lower, size, item.weight, *limits)
 
 
 @cache

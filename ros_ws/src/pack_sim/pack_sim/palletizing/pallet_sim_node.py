@@ -186,11 +186,8 @@ class PalletSimNode(PhysicsNode):
         if request.place not in self._cell.pallets:
             response.message = f"place is '{request.place}'; allowed: {', '.join(self._cell.pallets)}"
             return response
-        try:
-            with self.lock:
-                self._simulator.take_pallet(request.place, request.boxes)
-        except PackError as error:
-            response.message = str(error)
+        with self.lock:
+            self._simulator.take_pallet(request.place, request.boxes)
         return self._after_change(response)
 
     def _trigger(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:

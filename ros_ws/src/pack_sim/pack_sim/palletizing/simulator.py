@@ -231,15 +231,24 @@ class PalletSimulator:
             self._infeed.send()
 
     def take_pallet(self, place: str, boxes: Sequence[str]) -> None:
-        """Have somebody take a pallet away with the boxes on it, and bring an empty one a while later.
+        """Have somebody take a pallet away with all that is on it, and bring an empty one a while later.
 
         Args:
             place: name of the pallet's place.
-            boxes: names of what stands on it.
+            boxes: names of what must stand on it; one that is not there any more is no fault.
         """
-        for name in boxes:
+        taken = {*boxes, *self.over(place)}
+        for name in [box.name for box in self.boxes if box.name in taken]:
             self.remove(name)
         self._away[place] = self.time + self.config.swap_time
+
+    def over(self, place: str) -> tuple[str, ...]:
+        """Names of the boxes that truly are over a pallet, but for one in the hand."""
+        deck = self.cell.deck(place)
+        half, X_DW = 0.5 * np.array(deck.size), deck.X_WD.inverse()
+        middles = {name: X_DW.apply(box.X_WO.p)[:2] for name, box in self.truth().objects.items()}
+        held = self.gripper.state.held
+        return tuple(n for n, p in middles.items() if n != held and np.all(np.abs(p - half) <= half))
 
     def tool_pose(self) -> Pose:
         """X_WT, the true pose of the tool."""

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from pack_interfaces.msg import MotionTarget
+from pack_interfaces.msg import MotionTarget, PalletPlaces
 from pack_interfaces.srv import GripperCommand, PlanPlace, RemoveBox, ReplacePallet
 from pack_interfaces.srv import LayOnTable as LayOnTableSrv
 from pack_interfaces.srv import SpawnBox as SpawnBoxSrv
@@ -20,7 +20,7 @@ from pack_core.joints import JointSample
 from pack_core.motion import topics as motion_topics
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.infeed import PlacesAway
-from pack_core.palletizing.orders.next_place import PlaceAnswer
+from pack_core.palletizing.orders.next_place import PlaceAnswer, PlaceQuestion
 from pack_core.palletizing.ports import (
     AskPlace,
     CloseGripper,
@@ -79,8 +79,9 @@ class CellPorts:
         self._node, self._on_failure = node, on_failure
         self._spawned = self._laid = ""
         self._place: PlaceAnswer | None = None
-        self._replaced: dict[str, float] = {}
-        """When each place's full pallet was sent away [s]."""
+        self._question: PlaceQuestion | None = None
+        self._sent_away = set[str]()
+        """Places whose full pallet was sent away, until the cell says that none stands there."""
         self._target = node.advertise(motion.MOTION_TARGET)
         self._expected = node.advertise(contracts.EXPECTED_BOX)
         self._spawn, self._lay, self._remove, self._gripper, self._trigger = (
@@ -104,7 +105,7 @@ class CellPorts:
                 Kept(contracts.BOX_DETECTION, from_detection),
                 *(Kept(contracts.SCANS[place][1], partial(from_cloud, place=place)) for place in self._scans),
                 Kept(contracts.INFEED_STATE, from_infeed),
-                Kept(contracts.PALLET_PLACES, from_places),
+                Kept(contracts.PALLET_PLACES, self._to_places),
                 Kept(contracts.GRIPPER_STATE, from_gripper_state, depth=1),
                 Kept(contracts.JOINT_STATES, self._to_sample, raw=True),
                 Kept(motion.MOTION_STATUS, MotionStatusReader().read, depth=1, raw=True),
@@ -129,8 +130,7 @@ class CellPorts:
         scans = (self._heard.until(contracts.SCANS[place][1], now) for place in self._scans)
         return PalletObservation(
             now, status, grip, self._spawned, detection, tuple(scan for scan in scans if scan is not None),
-            self._laid, self._new_samples(), self._heard[contracts.INFEED_STATE], self._place,
-            self._away(now),
+            self._laid, self._new_samples(), self._heard[contracts.INFEED_STATE], self._place, self._away(),
         )  # fmt: skip
 
     def _to_sample(self, data: bytes) -> JointSample:
@@ -142,11 +142,20 @@ class CellPorts:
         """What was measured of the joints since the last call."""
         return tuple(self._samples.popleft() for _ in range(len(self._samples)))
 
-    def _away(self, now: float) -> frozenset[str]:
-        """The places on which no pallet stands: those that were told, and those just sent for."""
+    def _to_places(self, message: PalletPlaces) -> PlacesAway:
+        told = from_places(message)
+        self._sent_away -= told.places
+        return told
+
+    def _away(self) -> frozenset[str]:
+        """The places on which no pallet stands: those that were told, and those just sent away."""
         told = self._heard[contracts.PALLET_PLACES] or PlacesAway(0.0)
-        sent = (place for place, time in self._replaced.items() if told.time <= time <= now)
-        return told.places | frozenset(sent)
+        return told.places | self._sent_away
+
+    def begin_shift(self) -> None:
+        """Forget what an earlier shift asked for and has not heard of."""
+        self._question = self._place = None
+        self._sent_away.clear()
 
     def apply(self, command: Command) -> None:
         """Send a command.
@@ -191,16 +200,22 @@ class CellPorts:
         """Send a command that only a shift gives."""
         match command:
             case SendBox():
-                self._call(self._send, Trigger.Request(), "the conveyor does not bring the next box")
+                # The shift does what it can without, and ends when no box has come for long.
+                self._call(
+                    self._send, Trigger.Request(), "the conveyor does not bring the next box",
+                    on_failure=self._node.get_logger().error,
+                )  # fmt: skip
             case TakePallet(place, boxes):
-                self._replaced[place] = self._now()
+                self._sent_away.add(place)
                 replace = ReplacePallet.Request(place=place, boxes=list(boxes))
-                self._call(self._replace, replace, f"the full {place.replace('_', ' ')} is not taken away")
+                what = f"the full {place.replace('_', ' ')} is not taken away"
+                self._call(self._replace, replace, what, on_failure=partial(self._note_kept, place))
             case AskPlace(question):
-                self._place = None  # an earlier shift may have had a question of this number
-                what = "nobody says where the next box goes"
-                note = partial(self._note_place, question.number)
-                self._call(self.plan_place, to_question(question), what, note)
+                self._question, self._place = question, None
+                self._call(
+                    self.plan_place, to_question(question), "nobody says where the next box goes",
+                    partial(self._note_place, question), on_failure=partial(self._note_unanswered, question),
+                )  # fmt: skip
 
     def _note_spawned(self, name: str, _: Any) -> None:
         self._spawned = name
@@ -208,8 +223,17 @@ class CellPorts:
     def _note_laid(self, name: str, _: Any) -> None:
         self._laid = name
 
-    def _note_place(self, number: int, response: PlanPlace.Response) -> None:
-        self._place = from_answer(response, number)
+    def _note_kept(self, place: str, reason: str) -> None:
+        self._sent_away.discard(place)
+        self._on_failure(reason)
+
+    def _note_place(self, question: PlaceQuestion, response: PlanPlace.Response) -> None:
+        if question is self._question:  # else it is late, and another shift has had the same number since
+            self._place = from_answer(response, question.number)
+
+    def _note_unanswered(self, question: PlaceQuestion, reason: str) -> None:
+        if question is self._question:
+            self._on_failure(reason)
 
     def _now(self) -> float:
         return from_stamp(self._node.get_clock().now().to_msg())

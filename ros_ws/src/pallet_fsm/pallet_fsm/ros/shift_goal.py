@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,7 +20,7 @@ from pack_core.palletizing.shift_journal import (
     ShiftEvent,
     ShiftJournal,
     WrittenShift,
-    read_journal,
+    read_interrupted,
 )
 from pack_core.ros.goal_node import GoalNode
 from pack_core.ros.messages.conversions import to_stamp
@@ -30,7 +30,7 @@ from pallet_fsm.place_watch import ArmShadow
 from pallet_fsm.ros.order_goal import StatePublisher
 from pallet_fsm.shift_job import ShiftJob
 from pallet_fsm.step_aside import StepAside
-from pallet_fsm.taking_over import TakenOver, standing_by_journal, take_over
+from pallet_fsm.taking_over import TakenOver, rejected_by_journal, take_over
 from pallet_fsm.transitions import Event
 
 PATIENCE = 5.0
@@ -48,7 +48,7 @@ def requested_shift(goal: RunShift.Goal, preset: str) -> WrittenShift:
     folder = Path(goal.folder)
     path = folder / JOURNAL
     if goal.resume:
-        return read_journal(path)
+        return read_interrupted(path, preset)
     if path.exists():
         raise ConfigError(f"{path} is there already; allowed: another folder, or `resume`")
     if goal.boxes < 1:
@@ -61,21 +61,24 @@ def requested_shift(goal: RunShift.Goal, preset: str) -> WrittenShift:
 
 
 class TakeOverLook:
-    """Has the places scanned on which something must stand, and compares; an arm that hides one moves first.
+    """Has the places scanned on which something must stand, and compares; an arm in the way moves first.
 
     Args:
         cell: the cell's physical facts.
-        standing: what must stand, by the journal.
+        standing: what must stand, by the journal; where nothing must, no place is scanned.
         config: parameters of the machine.
+        clearances: from which distance on the arm is out of the way, by place [m].
     """
 
     def __init__(
-        self, cell: PalletizingCell, standing: list[tuple[WorkItem, Item]], config: PalletizerConfig
-    ) -> None:
+        self, cell: PalletizingCell, standing: list[tuple[WorkItem, Item]], config: PalletizerConfig,
+        clearances: Mapping[str, float],
+    ) -> None:  # fmt: skip
         self._cell, self._standing, self._scans = cell, standing, config.scans
         self._places = (*cell.pallets, REORIENTATION_TABLE)
         blocks = {block.name: block for block in cell.furniture}
-        self._shadows = {place: ArmShadow(blocks[place], cell) for place in self._places}
+        self._shadows = {place: ArmShadow(blocks[place], cell) for place in clearances}
+        self._clearances = clearances
         boxes = (standing_box(work.box, work.X_WB) for work, _ in standing if work.X_WB is not None)
         self._aside = StepAside(cell, config, tuple(boxes))
         self._asked: float | None = None
@@ -84,16 +87,19 @@ class TakeOverLook:
         """The commands of this step, and at last what stands.
 
         Raises:
-            ConfigError: the arm hides a place and finds no way from there, or a scanner does not answer.
+            ConfigError: the arm is in the way and finds none from there, a scanner does not answer, or
+                table B is not as it was left.
         """
         if self._asked is None:
             hidden = [
                 place
                 for place, shadow in self._shadows.items()
-                if shadow.clearance(seen.motion.X_WT, None) <= 0.0
+                if shadow.clearance(seen.motion.X_WT, None) <= self._clearances[place]
             ]
             if hidden or self._aside.is_moving:
                 return self._move_away(hidden, seen)
+            if not self._standing:
+                return TakenOver()
             self._asked = seen.time
             return tuple(ScanPlace(place) for place in self._places)
         scans = {scan.place: scan for scan in seen.scans if scan.time >= self._asked}
@@ -112,7 +118,7 @@ class TakeOverLook:
             return ()
         names = " and ".join(hidden).replace("_", " ")
         raise ConfigError(
-            f"the arm hides the {names}; bring it beside, so that the scanner sees what stands there: "
+            f"the arm is over the {names} or too near; bring it beside, so that nothing there is hidden: "
             f"{self._aside.reason or 'its safe position hides it, too'}"
         )
 
@@ -130,13 +136,13 @@ class ShiftGoalRun:
         begin: makes the job, of what stands and of how many boxes are still to come.
         apply: carries out a command.
         states: publishes the states.
-        config: parameters of the machine.
+        look: brings the arm out of the way, and says what stands.
     """
 
     def __init__(
         self, node: GoalNode, cell: PalletizingCell, before: WrittenShift, journal: ShiftJournal,
         begin: Callable[[TakenOver, int], ShiftJob], apply: Callable[[Command], None], states: StatePublisher,
-        config: PalletizerConfig,
+        look: TakeOverLook,
     ) -> None:  # fmt: skip
         self._node, self._cell, self._journal, self._apply = node, cell, journal, apply
         self._states, self._begin = states, begin
@@ -144,14 +150,11 @@ class ShiftGoalRun:
         self._last = before.events[-1].time if before.events else 0.0
         self._came, self._placed, self._settled, self._failed = (set[str]() for _ in range(4))
         self._count(before.events)
-        standing = standing_by_journal(before.events)
-        self._look = TakeOverLook(cell, standing, config) if standing else None
+        self._look, self._rejected = look, rejected_by_journal(before.events)
         self._job: ShiftJob | None = None
         self._start: float | None = None
         self._offset = self._elapsed = 0.0
         self._halted = ""
-        if not standing:
-            self._job = begin(TakenOver(), self._left)
 
     @property
     def _left(self) -> int:
@@ -175,9 +178,10 @@ class ShiftGoalRun:
         if self._job is None:
             self._take_over(seen)
             return
-        for command in self._job.step(seen):
+        commands = self._job.step(seen)
+        self._tell(self._job.events())  # on the disk before anything follows from it
+        for command in commands:
             self._apply(command)
-        self._tell(self._job.events())
         if self._job.is_over:
             self._node.end_goal()
 
@@ -190,14 +194,13 @@ class ShiftGoalRun:
         )  # fmt: skip
 
     def _take_over(self, seen: PalletObservation) -> None:
-        """Look at what stands before anything moves."""
-        assert self._look is not None
+        """Look at what stands before any box moves."""
         try:
             found = () if self._halted else self._look.step(seen)
         except ConfigError as error:
             self._halted, found = str(error), ()
         if isinstance(found, TakenOver):
-            self._job = self._begin(found, self._left)
+            self._job = self._begin(replace(found, rejected=self._rejected), self._left)
             return
         for command in found:
             self._apply(command)

@@ -24,6 +24,7 @@ from pack_core.palletizing.orders.order import (
     OrderBox,
 )
 from pack_core.palletizing.orders.placed_box import PlacedBox
+from pack_core.rotations import Array
 from pack_core.text.json_text import parse_json
 from pack_core.text.limits import MOST_BOXES, MOST_CHARACTERS_OF_NAME, ArticleName
 from pack_core.text.reader import read_text
@@ -89,6 +90,12 @@ class Item(Config):
     this_side_up: bool
     max_load: MaxLoad | None = None
     max_pressure: MaxPressure | None = None
+
+
+def placed_item(item: Item, lower: Array, size: Array) -> PlacedBox:
+    """An item at a place, with what may stand on it; `lower` and `size` as `PlacedBox` has them."""
+    limits = (np.inf if limit is None else limit for limit in (item.max_load, item.max_pressure))
+    return PlacedBox(item.id, lower, size, item.weight, *limits)
 
 
 def order_box(item: Item, placed: PlacedBox) -> OrderBox:
