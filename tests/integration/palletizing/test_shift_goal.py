@@ -10,14 +10,14 @@ import numpy as np
 from pack_interfaces.action import RunShift
 
 from pack_bringup.palletizing.goals import ShiftGoal
-from pack_core.palletizing.ports import ScanPlace
+from pack_core.palletizing.ports import AskPlace, Command, ScanPlace
 from pack_core.palletizing.shift_journal import JOURNAL, EventKind, ShiftJournal, read_journal
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.rotations import Pose
 from pallet_fsm.palletizer_config import PalletizerConfig, ScanConfig
-from pallet_fsm.ros.shift_goal import ShiftGoalRun, requested_shift
+from pallet_fsm.ros.shift_goal import ShiftGoalRun, TakeOverLook, requested_shift
 from pallet_fsm.shift_job import ShiftConfig, ShiftJob
-from pallet_fsm.taking_over import TakenOver
+from pallet_fsm.taking_over import TakenOver, standing_by_journal
 from unit.pallet_fsm.fake_shift import CELL, Came, FakeShiftCell, listed
 from unit.pallet_fsm.faults import Faults
 
@@ -57,8 +57,9 @@ def pursue(
     def begin(found: TakenOver, boxes: int) -> ShiftJob:
         return ShiftJob(CELL, cell.catalogue, ShiftConfig(patience=20.0), MACHINE, boxes, found)
 
+    look = TakeOverLook(CELL, standing_by_journal(before.events), MACHINE, ShiftConfig().clearances(CELL))
     with ShiftJournal(Path(goal.folder) / JOURNAL, before.facts) as journal:
-        run = ShiftGoalRun(server, CELL, before, journal, begin, cell.apply, server, MACHINE)  # type: ignore[arg-type]
+        run = ShiftGoalRun(server, CELL, before, journal, begin, cell.apply, server, look)  # type: ignore[arg-type]
         while not server.has_ended and run.result().placed != killed_after:
             run.step(cell.observe())
     return run.result(), server
@@ -116,12 +117,33 @@ def test_an_arm_that_hides_a_place_moves_away_before_it_is_looked_at(tmp_path: P
     assert [event.reason for event in began] == ["", ""]
 
 
+def test_an_arm_that_was_left_over_the_conveyor_moves_away_before_a_box_is_brought(tmp_path: Path) -> None:
+    cell = cell_of(1)
+    cell.X_WT = Pose(np.array([*CELL.picking_table.centre, 1.6]), cell.X_WT.q)
+    result, _ = pursue(cell, RunShift.Goal(folder=str(tmp_path), boxes=1))
+    assert (result.success, result.placed) == (True, 1)
+
+
+def test_every_event_is_on_the_disk_before_anything_follows_from_it(tmp_path: Path) -> None:
+    cell, kinds = cell_of(1), list[EventKind]()
+    apply = cell.apply
+
+    def applying(command: Command) -> None:
+        if isinstance(command, AskPlace):
+            kinds.extend(event.kind for event in read_journal(tmp_path / JOURNAL).events)
+        apply(command)
+
+    cell.apply = applying  # type: ignore[method-assign]
+    pursue(cell, RunShift.Goal(folder=str(tmp_path), boxes=1))
+    assert kinds == [EventKind.BEGAN, EventKind.CAME]
+
+
 def test_an_arm_that_hides_a_place_and_finds_no_way_ends_the_goal(tmp_path: Path) -> None:
     cell = left_over_the_pallet(tmp_path, Faults(refused=1))
     result, _ = pursue(cell, RunShift.Goal(folder=str(tmp_path), resume=True))
     assert not result.success
     assert result.message == (
-        "the arm hides the pallet; bring it beside, so that the scanner sees what stands there: "
+        "the arm is over the pallet or too near; bring it beside, so that nothing there is hidden: "
         "the wrist would hit box 3"
     )
 

@@ -84,15 +84,17 @@ def test_a_given_order_is_sent_as_it_came() -> None:
     assert (goal.text, goal.seed) == (text, 3)
 
 
-def state(entered: State, box: str, reason: str = "") -> SimpleNamespace:
-    return SimpleNamespace(state=entered.label, box=box, reason=reason)
+def state(entered: State, box: str, reason: str = "", place: str = "pallet") -> SimpleNamespace:
+    return SimpleNamespace(state=entered.label, box=box, reason=reason, place=place)
 
 
-def test_boxes_count_once_they_are_set_down_and_not_when_they_are_put_back() -> None:
+def test_boxes_count_once_they_stand_on_a_pallet_and_not_when_they_are_put_back_or_set_aside() -> None:
     work = cell_part("palletizing", "production")()
     states, result, places = work.topics
     for entered in (State.PUT_BACK, State.RETREAT, State.DEPOSIT, State.RETREAT):
         work.take(states, state(entered, "a"))
+    for entered in (State.DEPOSIT, State.RETREAT):
+        work.take(states, state(entered, "b", place="reorientation_table"))
     assert work.placed == 1
     work.take(states, state(State.GRIP_FAILED, "b", "nothing sticks"))
     assert (work.step, work.item, work.fault) == (State.GRIP_FAILED.label, "b", "nothing sticks")

@@ -7,6 +7,7 @@ from unittest.mock import Mock
 import pytest
 
 from pack_core.cell_condition import CellCondition
+from pack_core.palletizing.cell import PALLET
 from pack_viewer.event_log import EventLog
 from pack_viewer.fragments import RED, chips, facts, headline, lines, signed_list
 from pack_viewer.node_board import NodeBoard, level_of
@@ -32,10 +33,11 @@ def test_every_text_from_outside_is_escaped(html: str) -> None:
 
 def test_texts_of_an_order_are_escaped() -> None:
     progress = OrderProgress()
-    progress.enter(EVIL, EVIL, EVIL, 0.0)
-    progress.enter(State.GRIP_FAILED.label, EVIL, EVIL, 1.0)
-    progress.enter(State.RETREAT.label, EVIL, "", 2.0)
-    progress.enter(State.RETURN.label, EVIL, "", 3.0)
+    progress.enter(EVIL, EVIL, EVIL, EVIL, 0.0)
+    progress.enter(State.GRIP_FAILED.label, EVIL, EVIL, EVIL, 1.0)
+    progress.enter(State.DEPOSIT.label, EVIL, PALLET, "", 2.0)
+    progress.enter(State.RETREAT.label, EVIL, PALLET, "", 2.0)
+    progress.enter(State.RETURN.label, EVIL, PALLET, "", 3.0)
     assert "<script" not in progress.states_html() + progress.cycles_html()
 
 
@@ -138,22 +140,33 @@ def test_a_warning_leaves_the_board_when_nothing_was_refused_for_a_while_and_an_
     assert "mpc: skipped iteration: 371" in board.html()
 
 
-def enter(progress: OrderProgress, box: str, *visits: tuple[State, float]) -> None:
+def enter(progress: OrderProgress, box: str, *visits: tuple[State, float], place: str = PALLET) -> None:
     for state, time in visits:
-        progress.enter(state.label, box, "", time)
+        progress.enter(state.label, box, place, "", time)
 
 
 def test_a_boxs_time_runs_from_its_first_state_to_that_of_the_next_box() -> None:
     progress = OrderProgress()
     enter(progress, "a", (State.SPAWN, 1.0), (State.DEPOSIT, 9.0), (State.RETREAT, 10.0))
-    enter(progress, "b", (State.SPAWN, 12.0), (State.RETREAT, 20.0), (State.RETURN, 21.0))
+    enter(
+        progress, "b", (State.SPAWN, 12.0), (State.DEPOSIT, 19.0), (State.RETREAT, 20.0), (State.RETURN, 21.0)
+    )
     assert progress.placed == ["a", "b"]
     assert progress.placed_text(5) == "2 of 5, 10.0 s a box"  # 11 s and 9 s
 
 
 def test_another_order_begins_with_nothing_placed() -> None:
     progress = OrderProgress()
-    enter(progress, "a", (State.SPAWN, 1.0), (State.RETREAT, 5.0), (State.DONE, 6.0), (State.SPAWN, 9.0))
+    enter(progress, "a", (State.SPAWN, 1.0), (State.DEPOSIT, 4.0), (State.RETREAT, 5.0), (State.DONE, 6.0))
+    assert progress.placed == ["a"]
+    enter(progress, "a", (State.SPAWN, 9.0))
+    assert progress.placed == []
+
+
+def test_a_box_that_is_left_where_it_was_or_set_aside_is_not_placed() -> None:
+    progress = OrderProgress()
+    enter(progress, "a", (State.GRIP_FAILED, 3.0), (State.RETREAT, 4.0))
+    enter(progress, "b", (State.DEPOSIT, 9.0), (State.RETREAT, 10.0), place="reorientation_table")
     assert progress.placed == []
 
 
@@ -169,9 +182,9 @@ def test_an_order_is_under_way_from_its_first_state_to_its_end() -> None:
 
 def test_a_fault_stays_on_view_with_its_reason() -> None:
     progress = OrderProgress()
-    progress.enter(State.BOX_LOST.label, "a", "it slipped", 3.0)
+    progress.enter(State.BOX_LOST.label, "a", PALLET, "it slipped", 3.0)
     assert progress.is_fault
-    progress.enter(State.SKIP_BOX.label, "a", "", 3.0)
+    progress.enter(State.SKIP_BOX.label, "a", PALLET, "", 3.0)
     assert "it slipped" in progress.states_html()
 
 

@@ -1,23 +1,36 @@
 """Shifts from start to end in a cell without physics."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from pack_core.palletizing.cell import PALLET, REJECT_TABLE, REORIENTATION_TABLE, SECOND_PALLET
-from pack_core.palletizing.orders.item_list import Item, placed_item
+from pack_core.palletizing.orders.item_list import Item, order_box, placed_item
 from pack_core.palletizing.orders.layout_plan import PlannedBox
 from pack_core.palletizing.orders.next_place import NextStep, PlaceAnswer
-from pack_core.palletizing.ports import AskPlace, Command, OpenGripper, PursueTarget
+from pack_core.palletizing.orders.placed_box import PlacedBox
+from pack_core.palletizing.ports import (
+    AskPlace,
+    Command,
+    OpenGripper,
+    PalletObservation,
+    PursueTarget,
+    SendBox,
+)
 from pack_core.palletizing.shift_journal import EventKind
 from pack_core.rotations import Pose
 from pack_planner.layout.online_planner import OnlineConfig, OnlinePackerConfig
+from pallet_fsm.box_watch import BoxWatch
 from pallet_fsm.intake import Arrival
-from pallet_fsm.palletizer_config import FeederConfig, ScanConfig
+from pallet_fsm.order_book import WorkItem
+from pallet_fsm.palletizer_config import FeederConfig, PalletizerConfig, ScanConfig
 from pallet_fsm.report import BoxOutcome
 from pallet_fsm.shift_floor import STRAIGHT_DOWN, ShiftFloor
+from pallet_fsm.shift_job import ShiftJob
 from unit.pallet_fsm import fake_shift
 from unit.pallet_fsm.fake_motion import REFUSED, segments
-from unit.pallet_fsm.fake_shift import CELL, Came, FakeShiftCell, ShiftRunning, listed, run_shift
+from unit.pallet_fsm.fake_shift import CELL, Came, FakeShiftCell, ShiftRunning, go_on, listed, run_shift
 from unit.pallet_fsm.faults import Faults
 
 TEA = listed("tea")
@@ -61,15 +74,97 @@ def test_a_box_that_is_not_what_its_label_says_is_rejected_and_the_shift_goes_on
     assert shift.job.reason == "all 2 boxes came"
 
 
-def test_three_rejected_boxes_in_a_row_call_a_person() -> None:
-    shift = run_shift([Came("", (0.4, 0.3, 0.2))] * 5, [TEA])
+@pytest.mark.parametrize("on_the_way", [2.0, 0.1])
+def test_three_rejected_boxes_in_a_row_call_a_person(on_the_way, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(fake_shift, "ON_THE_WAY", on_the_way)
+    shift = run_shift([Came("tea"), *[Came("", (0.4, 0.3, 0.2))] * 5], [TEA])
     assert shift.job.reason == "3 boxes in a row belong on no pallet: look at the conveyor"
-    assert len(shift.of(EventKind.CAME)) == 3
+    assert len(shift.of(EventKind.CAME)) == 4
+    assert not shift.cell.has_stopped
 
 
-def test_a_box_that_stands_upright_is_left_to_a_person() -> None:
-    shift = run_shift([Came("tea", (0.3, 0.2, 0.4))], [TEA])
-    assert shift.job.reason == "take box b1 off the conveyor: it does not lie on its largest face"
+def test_the_last_box_is_taken_away_if_it_is_rejected() -> None:
+    shift = run_shift([Came("")], [TEA.model_copy(update={"id": ""})])
+    assert [(event.box, event.place) for event in shift.of(EventKind.TAKEN)] == [("b1", REJECT_TABLE)]
+    assert shift.cell.boxes == {}
+
+
+def test_a_box_that_stands_upright_is_left_to_a_person_and_the_one_before_it_gets_to_its_place() -> None:
+    shift = run_shift([Came("tea"), Came("tea", (0.3, 0.2, 0.4))], [TEA])
+    assert shift.job.reason == "take box b2 off the conveyor: it does not lie on its largest face"
+    assert [event.box for event in shift.of(EventKind.PUT_DOWN)] == ["b1"]
+    assert not shift.cell.has_stopped
+
+
+def test_a_box_that_is_let_go_as_the_arm_is_stopped_stands_where_it_is(monkeypatch) -> None:
+    jobs, apply, step = list[ShiftJob](), FakeShiftCell.apply, ShiftJob.step
+
+    def stepping(job: ShiftJob, seen: PalletObservation) -> tuple[Command, ...]:
+        jobs.append(job)
+        return step(job, seen)
+
+    def stopping(cell: FakeShiftCell, command: Command) -> None:
+        apply(cell, command)
+        if isinstance(command, OpenGripper):
+            jobs[-1].halt("somebody stopped it")
+
+    monkeypatch.setattr(ShiftJob, "step", stepping)
+    monkeypatch.setattr(FakeShiftCell, "apply", stopping)
+    shift = run_shift([Came("tea")] * 2, [TEA])
+    assert shift.job.reason == "somebody stopped it"
+    assert shift.cell.has_stopped
+    assert [event.box for event in shift.of(EventKind.PUT_DOWN)] == ["b1"]
+
+
+def test_a_shift_that_begins_with_a_box_at_the_barrier_sees_each_box_once(monkeypatch) -> None:
+    # The conveyor hears of a request after it has told once more how things were.
+    observe, apply = FakeShiftCell.observe, FakeShiftCell.apply
+    requests = list[Command]()
+
+    def late(cell: FakeShiftCell) -> PalletObservation:
+        seen = observe(cell)
+        while requests:
+            if "b1" in cell.boxes and len(cell.sent) == 0:  # it is at the barrier: the belt does not move
+                cell.sent.append(cell.time)
+                cell._infeed = replace(cell._infeed, number=cell._infeed.number + 1)
+                requests.clear()
+            else:
+                apply(cell, requests.pop())
+        return seen
+
+    def keeping(cell: FakeShiftCell, command: Command) -> None:
+        requests.append(command) if isinstance(command, SendBox) else apply(cell, command)
+
+    monkeypatch.setattr(FakeShiftCell, "observe", late)
+    monkeypatch.setattr(FakeShiftCell, "apply", keeping)
+    cell = FakeShiftCell(None, Faults(), stream=[Came("tea")] * 2, catalogue={"tea": TEA})
+    cell._bring()
+    shift = go_on(cell, 2)
+    assert shift.job.reason == "all 2 boxes came"
+    assert [event.box for event in shift.of(EventKind.CAME)] == ["b1", "b3"]
+
+
+def test_what_boxes_bear_is_known_also_of_places_that_came_without_it() -> None:
+    floor, item = ShiftFloor(CELL), TEA.model_copy(update={"id": "b1", "max_load": 0.0})
+    placed = PlacedBox("b1", np.zeros(3), np.array(item.size), item.weight)
+    plan = PlannedBox(placed, STRAIGHT_DOWN)
+    arrival = Arrival("b1", item, "", np.array(item.size), None)
+    floor.place(PlaceAnswer(1, NextStep.PLACE, "", "b1", PALLET, plan), arrival)
+    assert floor.standing(PALLET).boxes[0].max_load == 0.0
+
+
+def test_a_grip_that_fails_says_nothing_of_the_box_that_was_seen_before() -> None:
+    place = PlacedBox(TEA.id, np.zeros(3), np.array(TEA.size), 1.0)
+    box, plan = order_box(TEA, place), PlannedBox(place, STRAIGHT_DOWN)
+    placed, known = WorkItem(box, plan, has_come=True), WorkItem(box, plan, has_come=True)
+    cell = FakeShiftCell(None, Faults(), catalogue={"tea": TEA})
+    watch = BoxWatch(PalletizerConfig(), CELL)
+    watch.arrival(placed, cell.observe().time)
+    placed.X_WB = known.X_WB = Pose(np.zeros(3))
+    watch.forget(known)
+    assert placed.X_WB is not None
+    watch.forget(placed)
+    assert placed.X_WB is None
 
 
 def test_a_full_pallet_is_replaced_while_the_other_one_is_built() -> None:
@@ -206,6 +301,7 @@ def test_a_shift_goes_on_with_a_box_that_was_moved_a_little(monkeypatch) -> None
 def test_a_box_that_was_moved_farther_calls_a_person(monkeypatch) -> None:
     shift = nudged(monkeypatch, (-0.06, 0.0, 0.0))
     assert shift.job.reason.startswith("seen on the pallet: box b1 stands 6")
+    assert [event.box for event in shift.of(EventKind.LOST)] == ["b1"]
 
 
 def test_a_shift_for_which_nothing_comes_ends() -> None:

@@ -5,12 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pack_core.errors import ConfigError
 from pack_core.motion.world import Obstacle
 from pack_core.palletizing.cell import PALLET, REORIENTATION_TABLE
 from pack_core.palletizing.shift_journal import EventKind, ShiftJournal, read_journal
 from pack_core.rotations import Pose, from_yaw, multiply
 from pallet_fsm.palletizer_config import ScanConfig
-from pallet_fsm.taking_over import TakenOver, standing_by_journal, take_over
+from pallet_fsm.taking_over import TakenOver, rejected_by_journal, standing_by_journal, take_over
 from unit.pallet_fsm.fake_shift import CELL, Came, FakeShiftCell, ShiftRunning, go_on, listed, run_shift
 from unit.pallet_fsm.test_shift_job import LARGE, LOW
 
@@ -77,6 +78,70 @@ def test_a_pallet_with_something_foreign_on_it_is_taken_away(interrupted) -> Non
     deck = CELL.deck(PALLET).X_WD
     shift.cell.strangers.append(Obstacle("a", Pose(deck.apply([1.0, 0.6, 0.1])), np.array([0.2, 0.2, 0.2])))
     assert seen(shift.cell, journal).closed == {PALLET}
+
+
+@pytest.fixture
+def two_set_aside(tmp_path: Path) -> tuple[ShiftRunning, Path]:
+    """Eight boxes on pallets, one of which was taken away, two on table B, and the journal of it."""
+    shift = run_shift([Came("large")] * 10, [LARGE], LOW)
+    with ShiftJournal(tmp_path / "journal.db", {}) as journal:
+        journal.write(shift.events)
+    return shift, tmp_path / "journal.db"
+
+
+def on_table_b(shift: ShiftRunning) -> str:
+    return next(e.box for e in shift.of(EventKind.PUT_DOWN) if e.place == REORIENTATION_TABLE)
+
+
+def test_a_box_that_is_gone_from_table_b_is_lost_and_its_place_is_free(two_set_aside) -> None:
+    shift, journal = two_set_aside
+    name = on_table_b(shift)
+    del shift.cell.boxes[name]
+    found = seen(shift.cell, journal)
+    assert [(work.name, reason) for work, reason in found.lost] == [
+        (name, f"seen on table B: box {name} is gone")
+    ]
+    assert name not in {work.name for work, _ in found.standing}
+    shift.cell.stream = [Came("large")]
+    after = go_on(shift.cell, 1, found)
+    assert [event.box for event in after.of(EventKind.LOST)] == [name]
+
+
+def test_a_box_that_was_moved_far_on_table_b_must_be_taken_off_first(two_set_aside) -> None:
+    shift, journal = two_set_aside
+    name = on_table_b(shift)
+    X_WB = shift.cell.boxes[name]
+    shift.cell.boxes[name] = Pose(X_WB.p + np.array([0.0, 0.05, 0.0]), X_WB.q)
+    with pytest.raises(ConfigError, match=f"table B: box {name} stands 50 mm .*; take it off, then go on"):
+        seen(shift.cell, journal)
+
+
+def test_something_foreign_on_table_b_must_be_taken_off_first(interrupted) -> None:
+    shift, journal = interrupted
+    table = CELL.reorientation_table
+    p = np.array([*table.centre, table.height + 0.1])
+    shift.cell.strangers.append(Obstacle("a", Pose(p), np.array([0.2, 0.2, 0.2])))
+    with pytest.raises(ConfigError, match=r"table B: something of .*; take it off, then go on"):
+        seen(shift.cell, journal)
+
+
+def test_a_box_that_was_moved_is_planned_around_where_it_stands(interrupted) -> None:
+    shift, journal = interrupted
+    X_WB = shift.cell.boxes["b1"]
+    shift.cell.boxes["b1"] = Pose(X_WB.p + np.array([0.02, 0.0, 0.0]), X_WB.q)
+    work = next(work for work, _ in seen(shift.cell, journal).standing if work.name == "b1")
+    p_WB = CELL.deck(work.deck).X_WD.apply(work.plan.placed.centre)
+    assert np.linalg.norm(p_WB - shift.cell.boxes["b1"].p) < 0.004
+
+
+def test_a_reject_that_nobody_was_told_to_take_away_is_known_by_the_journal() -> None:
+    shift = run_shift([Came("", (0.4, 0.3, 0.2)), Came("tea")], [TEA])
+    assert rejected_by_journal(shift.events) == ()
+    down = next(i for i, event in enumerate(shift.events) if event.kind is EventKind.PUT_DOWN)
+    assert rejected_by_journal(shift.events[: down + 1]) == ("b1",)
+    assert standing_by_journal(shift.events[: down + 1]) == []
+    after = go_on(shift.cell, 0, TakenOver(rejected=("b1",)))
+    assert rejected_by_journal([*shift.events[: down + 1], *after.events]) == ()
 
 
 def test_boxes_that_were_set_aside_go_to_the_new_pallet(tmp_path: Path) -> None:

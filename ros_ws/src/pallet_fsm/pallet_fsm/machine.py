@@ -12,11 +12,21 @@ from pallet_fsm.transitions import RESUME, TRANSITIONS, Event, Guard, Transition
 
 @dataclass(frozen=True)
 class Visit:
-    """A state that was entered: when [s], for which box, on which event, and why if that was a fault."""
+    """A state that was entered.
+
+    Attributes:
+        state: which.
+        time: when [s].
+        box: name of the box in work.
+        place: name of the pallet or table that the box goes to.
+        event: what led here; None for the first state.
+        reason: why, if it is a fault.
+    """
 
     state: State
     time: float
     box: str = ""
+    place: str = ""
     event: Event | None = None
     reason: str = ""
 
@@ -28,12 +38,13 @@ class Machine:
         time: now [s].
         holds: tells whether a guard holds.
         box: name of the first box in work.
+        place: name of the pallet or table that it goes to.
     """
 
-    def __init__(self, time: float, holds: Callable[[Guard], bool], box: str = "") -> None:
+    def __init__(self, time: float, holds: Callable[[Guard], bool], box: str = "", place: str = "") -> None:
         self._holds = holds
         self._interrupted = State.SPAWN
-        self.visits = [Visit(State.SPAWN, time, box)]
+        self.visits = [Visit(State.SPAWN, time, box, place)]
 
     @property
     def state(self) -> State:
@@ -61,8 +72,8 @@ class Machine:
             state = self._following(self._row(state, Event.REACHED))
         return state
 
-    def fire(self, event: Event, time: float, box: str = "", reason: str = "") -> State:
-        """Enter the state that an event leads to; `box` is the one in work from then on.
+    def fire(self, event: Event, time: float, box: str = "", place: str = "", *, reason: str = "") -> State:
+        """Enter the state that an event leads to; `box`, which goes to `place`, is in work from then on.
 
         Raises:
             PackError: the table has no row for this event here.
@@ -70,7 +81,7 @@ class Machine:
         following = self._following(self._row(self.state, event))
         if following in FAULTS:
             self._interrupted = self.state
-        self.visits.append(Visit(following, time, box, event, reason))
+        self.visits.append(Visit(following, time, box, place, event, reason))
         return following
 
     def _following(self, row: Transition) -> State:

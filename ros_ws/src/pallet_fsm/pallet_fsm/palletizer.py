@@ -103,7 +103,7 @@ class Palletizer:
         self._places = PlaceWatch(config.scans, cell, self._book)
         self._load = LoadWatch(config.weighing, cell)
         self._grip = GripCycle(config.dwell, config.grip_patience)
-        self.machine = Machine(time, self._holds, self.item.name)
+        self.machine = Machine(time, self._holds, self.item.name, self.item.deck)
         self._legs = LegRunner(self._profile, self._book, cell, config, self._stop_after)
         self._commands: list[Command] = []
         self._halt = ""
@@ -220,7 +220,7 @@ class Palletizer:
         self._take_effect(event, before, seen)
         # A target is reached, or passed, when it was measured; the observation comes some time later.
         time = max(seen.motion.time, self.machine.since) if event is Event.REACHED else seen.time
-        state = self.machine.fire(event, time, self.item.name, reason)
+        state = self.machine.fire(event, time, self.item.name, self.item.deck, reason=reason)
         if state in FAULTS:
             self._note_fault(state, before)
         elif state is State.SKIP_BOX:

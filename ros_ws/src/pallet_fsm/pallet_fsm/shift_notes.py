@@ -62,7 +62,9 @@ class ShiftNotes:
             self._machine, self._noted = machine, 0
         for visit in machine.visits[self._noted :]:
             state = {"state": visit.state.label, "event": visit.event.value if visit.event else ""}
-            self._events.append(ShiftEvent(visit.time, EventKind.STATE, visit.box, "", visit.reason, state))
+            self._events.append(
+                ShiftEvent(visit.time, EventKind.STATE, visit.box, visit.place, visit.reason, state)
+            )
         self._noted = len(machine.visits)
 
     def put_down(self, work: WorkItem, item: Item) -> None:

@@ -8,7 +8,13 @@ from pathlib import Path
 import pytest
 
 from pack_core.errors import ConfigError
-from pack_core.palletizing.shift_journal import EventKind, ShiftEvent, ShiftJournal, read_journal
+from pack_core.palletizing.shift_journal import (
+    EventKind,
+    ShiftEvent,
+    ShiftJournal,
+    read_interrupted,
+    read_journal,
+)
 
 WRITER = """
 import sys
@@ -57,6 +63,19 @@ def test_a_journal_cannot_be_changed(tmp_path: Path, change: str) -> None:
     with sqlite3.connect(path) as file, pytest.raises(sqlite3.IntegrityError, match="only grows"):
         file.execute(change)
     assert read_journal(path).events == (event(1),)
+
+
+def test_a_shift_that_never_began_or_of_another_cell_is_not_gone_on_with(tmp_path: Path) -> None:
+    with ShiftJournal(tmp_path / "none.db", {}):
+        pass
+    with pytest.raises(ConfigError, match="does not say seed, boxes, preset: its shift never began"):
+        read_interrupted(tmp_path / "none.db")
+    path, facts = tmp_path / "journal.db", {"seed": 1, "boxes": 2, "preset": "shift"}
+    with ShiftJournal(path, facts):
+        pass
+    assert read_interrupted(path, "shift").facts == read_interrupted(path).facts == facts
+    with pytest.raises(ConfigError, match="is of the preset 'shift', this cell is under 'mine'"):
+        read_interrupted(path, "mine")
 
 
 def test_what_is_no_journal_is_refused(tmp_path: Path) -> None:

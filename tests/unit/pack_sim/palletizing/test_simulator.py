@@ -23,6 +23,17 @@ def build(seed: int = 0) -> PalletSimulator:
     return PalletSimulator(palletizing_cell(), PalletSimulatorConfig(), seed)
 
 
+def test_a_pallet_is_taken_away_with_all_that_is_on_it() -> None:
+    cell = palletizing_cell("shift")
+    simulator = PalletSimulator(cell, PalletSimulatorConfig(), 0)
+    for number, place in enumerate((*cell.pallets, cell.pallets[0])):
+        X_DB = Pose([0.2 + 0.3 * number, 0.3, 0.05])
+        simulator.spawn(BoxBody(f"b{number}", (0.3, 0.2, 0.1), 2.0), cell.deck(place).X_WD @ X_DB)
+    simulator.take_pallet(cell.pallets[0], ["b0", "gone"])
+    assert [box.name for box in simulator.boxes] == ["b1"]
+    assert simulator.taken == {cell.pallets[0]}
+
+
 def still(simulator: PalletSimulator, rows: int = 2) -> Setpoints:
     q = np.tile(simulator.joints().q, (rows, 1))
     return Setpoints(simulator.time, 0.02 * np.arange(rows), q, np.zeros((rows, 6)), a=np.zeros((rows, 6)))

@@ -6,6 +6,7 @@ from typing import Any
 
 from pack_bringup.opcua.production import Production
 from pack_core.palletizing import topics
+from pack_core.palletizing.infeed import PALLETS
 from pack_core.text.json_text import parse_json
 from pallet_fsm.states import State
 
@@ -34,9 +35,9 @@ class PalletizingProduction(Production):
             self._away = away
 
     def _enter(self, message: Any) -> None:
-        # The arm retreats, too, from boxes that it has put back or could not take.
+        # The arm retreats, too, from boxes that it has put back or could not take, or has set aside.
         was_set_down = self.step == State.DEPOSIT.label and message.state == State.RETREAT.label
-        self.placed += was_set_down
+        self.placed += was_set_down and message.place in PALLETS
         self.step, self.item, self.fault = message.state, message.box, message.reason
 
 

@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from pack_core.palletizing.cell import PALLET, SECOND_PALLET, palletizing_cell
+from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.infeed import PALLETS
 from pack_core.palletizing.orders.item_list import Item, order_box
 from pack_core.palletizing.orders.order import Order, OrderPallet
 from pack_core.palletizing.orders.placed_box import PlacedBox
@@ -18,7 +19,6 @@ from pack_core.palletizing.shift_journal import SETTLED, EventKind, ShiftEvent, 
 
 HOUR = 3600.0
 """In seconds."""
-PALLETS = (PALLET, SECOND_PALLET)
 """Names of the places on which boxes count as palletized."""
 
 

@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 from viser import GlbHandle, SceneApi
 
+from pack_core.palletizing.infeed import PALLETS
 from pack_viewer.fragments import BLUE, RED, boxed, chips
 from pack_viewer.geom_meshes import box_glb
 from pack_viewer.model_scene import scene_name
@@ -84,8 +85,8 @@ class OrderProgress:
         self._took: dict[str, float] = {}
         self.placed: list[str] = []
 
-    def enter(self, state: str, box: str, reason: str, time: float) -> None:
-        """The machine entered a state at simulated time `time` [s], with the box in work."""
+    def enter(self, state: str, box: str, place: str, reason: str, time: float) -> None:
+        """The machine entered a state at `time` [s], with the box in work, which goes to `place`."""
         before, last = self._state, self._box
         if state == STEP_LABELS[0] and last and last != box and last in self.placed:
             self._took[last] = time - self._began[last]  # a box's cycle ends where the next one's begins
@@ -100,7 +101,8 @@ class OrderProgress:
         self._began.setdefault(box, time)
         if state in WRONG:
             self._failed[state] = reason
-        if state == State.RETREAT.label and box not in self.placed:
+        was_set_down = before == State.DEPOSIT.label and state == State.RETREAT.label and place in PALLETS
+        if was_set_down and box not in self.placed:
             self.placed.append(box)
 
     @property

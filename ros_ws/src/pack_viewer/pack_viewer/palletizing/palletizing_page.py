@@ -111,7 +111,7 @@ class PalletizingPage(CellPage):
             plot.clear()
 
     def _take_state(self, state: Any) -> None:
-        self._progress.enter(state.state, state.box, state.reason, seconds(state))
+        self._progress.enter(state.state, state.box, state.place, state.reason, seconds(state))
         is_fault = self._progress.is_fault
         text = f"{state.state}, box {state.box}" + (f": {state.reason}" if state.reason else "")
         self.log.add(text, "error" if is_fault else "info", seconds(state))

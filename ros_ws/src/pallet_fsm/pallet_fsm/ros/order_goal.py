@@ -50,7 +50,9 @@ def requested_config(goal: Palletize.Goal, config: PalletizerConfig) -> Palletiz
 def to_state(visit: Visit) -> PalletState:
     """The message about a state that was entered."""
     event = visit.event.value if visit.event else ""
-    message = PalletState(state=visit.state.label, box=visit.box, event=event, reason=visit.reason)
+    message = PalletState(
+        state=visit.state.label, box=visit.box, place=visit.place, event=event, reason=visit.reason
+    )
     message.header.stamp = to_stamp(visit.time)
     return message
 

@@ -239,7 +239,11 @@ class ShiftGoalRun:
 
 def _state_of(event: ShiftEvent) -> PalletState:
     message = PalletState(
-        state=event.data["state"], box=event.box, event=event.data["event"], reason=event.reason
+        state=event.data["state"],
+        box=event.box,
+        place=event.place,
+        event=event.data["event"],
+        reason=event.reason,
     )
     message.header.stamp = to_stamp(event.time)
     return message

@@ -21,6 +21,7 @@ from pack_interfaces.msg import (
 from pack_interfaces.msg import InfeedState as InfeedStateMsg
 from pack_interfaces.msg import StandingPallet as StandingPalletMsg
 from pack_interfaces.srv import PlanLayout, PlanPlace
+from pydantic import TypeAdapter, ValidationError
 from sensor_msgs.msg import PointCloud2
 
 from pack_core.config import validate_config
@@ -47,6 +48,8 @@ from pack_core.ros.messages.conversions import (
 )
 from pack_core.ros.messages.point_cloud import POINT_FIELDS, POINT_STEP, to_point_cloud
 from pack_core.rotations import Pose
+from pack_core.text.limits import MOST_CHARACTERS_OF_NAME, ArticleName
+from pack_core.text.shown import shown_value
 
 NEAREST_POINT = 0.1
 """No scanner measures what is nearer than this [m]."""
@@ -222,8 +225,19 @@ def to_infeed(state: InfeedState) -> InfeedStateMsg:
     return message
 
 
+_NAMES = TypeAdapter(ArticleName)
+
+
 def from_infeed(message: InfeedStateMsg) -> InfeedState:
-    """What the conveyor tells in a message."""
+    """What the conveyor tells in a message; MessageError where a box has a name that none may have."""
+    if message.box:
+        try:
+            _NAMES.validate_python(message.box)
+        except ValidationError as error:
+            allowed = (
+                f"up to {MOST_CHARACTERS_OF_NAME} of letters, digits, spaces and . : + # / ( ) @ , = - _"
+            )
+            raise MessageError(f"box is {shown_value(message.box)}; allowed: {allowed}") from error
     return InfeedState(from_stamp(message.header.stamp), message.number, message.box, message.label)
 
 
