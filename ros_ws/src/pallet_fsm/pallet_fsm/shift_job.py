@@ -381,6 +381,6 @@ class ShiftJob:
         if self._intake.arrival is not None:
             return ""
         if self._came >= self._boxes:
-            return f"all {self._boxes} boxes came"
+            return "all boxes came"
         is_late = self._intake.is_waiting and seen.time > self._sent + self._config.patience
         return f"no box has come for {self._config.patience:g} s" if is_late else ""
