@@ -88,7 +88,7 @@ def open_recording(server: ViserServer, bag: Path, kind: type[Any]) -> tuple[Liv
     server.scene.reset()
     news = RecordedNews(bag, kind.topics + SHARED_TOPICS)
     news.is_paused = True
-    page = LivePage(server, kind, news, lambda _: lambda: None, origin="test", is_live=False)
+    page = LivePage(server, kind, news, lambda _: lambda: None, origin="test")
     page.turn()
     return page, news
 

@@ -81,7 +81,7 @@ def test_levels_are_read_from_ros_and_from_recordings() -> None:
 
 def test_a_node_that_falls_silent_is_a_fault() -> None:
     now = [0.0]
-    board = NodeBoard(EventLog(), watches_silence=True, clock=lambda: now[0])
+    board = NodeBoard(EventLog(), ("mpc", "sim"), clock=lambda: now[0])
     board.take(status("mpc", b"\x00", "ok"))
     assert not board.has_fault
     now[0] = 10.0
@@ -92,16 +92,26 @@ def test_a_node_that_falls_silent_is_a_fault() -> None:
     assert not board.has_fault
 
 
+def test_whoever_sent_a_goal_may_leave() -> None:
+    now = [0.0]
+    board = NodeBoard(EventLog(), ("mpc", "sim"), clock=lambda: now[0])
+    board.take(status("goal", 0, "ok"))
+    assert "goal" in board.html()
+    now[0] = 10.0
+    assert not board.has_fault
+    assert "goal" not in board.html()
+
+
 def test_in_a_recording_that_is_held_nobody_falls_silent() -> None:
     now = [0.0]
-    board = NodeBoard(EventLog(), watches_silence=False, clock=lambda: now[0])
+    board = NodeBoard(EventLog(), None, clock=lambda: now[0])
     board.take(status("mpc", 0, "ok"))
     now[0] = 10.0
     assert board.silent == []
 
 
 def test_an_error_that_a_node_reports_is_a_fault() -> None:
-    board = NodeBoard(EventLog(), watches_silence=True)
+    board = NodeBoard(EventLog(), ("mpc", "sim"))
     board.take(status("sim", 2, "no scene"))
     assert board.has_fault
     assert "no scene" in board.html()
@@ -109,7 +119,7 @@ def test_an_error_that_a_node_reports_is_a_fault() -> None:
 
 def test_the_log_tells_once_of_what_is_refused_again_and_again() -> None:
     log = EventLog()
-    board = NodeBoard(log, watches_silence=True)
+    board = NodeBoard(log, ("mpc", "sim"))
     for count, since in ((1, 0.3), (2, 0.35), (370, 18.5)):
         board.take(status("mpc", 1, f"skipped iteration: {count} (seen nothing for {since} s)"), 4.0 + since)
     assert log.text == "4.30 s  mpc: skipped iteration: 1 (seen nothing for 0.3 s)"
@@ -127,7 +137,7 @@ def test_an_error_of_several_lines_is_shown_in_several() -> None:
 
 def test_a_warning_leaves_the_board_when_nothing_was_refused_for_a_while_and_an_error_stays() -> None:
     now = [0.0]
-    board = NodeBoard(EventLog(), watches_silence=False, clock=lambda: now[0])
+    board = NodeBoard(EventLog(), None, clock=lambda: now[0])
     for now[0] in (0.0, 20.0, 29.0):
         board.take(status("mpc", 1, "skipped iteration: 370 (seen nothing)"))
         board.take(status("sim", 2, "no scene"))

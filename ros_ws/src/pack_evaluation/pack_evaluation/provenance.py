@@ -11,7 +11,10 @@ from typing import Any
 
 from pack_core.paths import project_root
 
-PACKAGES = ("mujoco", "numpy", "scipy", "numba", "rosbags", "ros-jazzy-rclpy", "ros-jazzy-rmw-fastrtps-cpp")
+PACKAGES = (
+    "mujoco", "numpy", "scipy", "numba", "ruckig", "opencv-python-headless", "shapely", "rosbags",
+    "ros-jazzy-rclpy", "ros-jazzy-rmw-fastrtps-cpp",
+)  # fmt: skip
 
 
 def project_version() -> str:

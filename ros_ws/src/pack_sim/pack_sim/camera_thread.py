@@ -98,13 +98,19 @@ class CameraThread(Generic[Snapshot, Picture]):
         except PackError as error:
             self._end()
             self._on_error(str(error))
+        except Exception as error:  # of the graphics library, which has errors of many kinds
+            self._end()
+            self._on_error(f"no more pictures can be drawn: {error!r}")
         finally:
             self._is_open.set()
             self._drawn.put(None)
 
     def _hand_out(self) -> None:
         while (drawn := self._drawn.get()) is not None:
-            self._on_picture(*drawn)
+            try:
+                self._on_picture(*drawn)
+            except Exception as error:  # whoever takes pictures must not keep the next one from being taken
+                self._on_error(f"a picture could not be handed out: {error!r}")
             del drawn  # a picture has 25 MB; it would be kept until the next one
             with self._wake:
                 self._is_busy = False

@@ -49,7 +49,7 @@ class BagPage:
         self.news = RecordedNews(bag, page.topics + SHARED_TOPICS, start=start)
         self.news.rate = rate
         self.page = LivePage(
-            server, page, self.news, self._add_controls, origin=f"{cell}, recorded: {bag.name}", is_live=False
+            server, page, self.news, self._add_controls, origin=f"{cell}, recorded: {bag.name}"
         )
         self._is_moving_slider = False
 

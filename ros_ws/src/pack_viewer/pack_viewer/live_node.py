@@ -16,7 +16,7 @@ from pack_core.cells import CELLS, cell_part
 from pack_core.config import Config
 from pack_core.errors import ConfigError
 from pack_core.ros.contracts.contract import NEWEST, Contract
-from pack_core.ros.contracts.table import goal_actions, wiring_of
+from pack_core.ros.contracts.table import goal_actions, nodes_of, wiring_of
 from pack_core.ros.node import CellNode
 from pack_core.ros.run import run_node
 from pack_core.ros.running_cell import RunningCell
@@ -136,11 +136,18 @@ class LiveNode(CellNode):
         news = LiveNews(self, wiring_of(config.cell), page.topics + SHARED_TOPICS)
         self._cell = config.cell
         self.page = LivePage(
-            self._server, page, news, self._add_controls, origin=f"{config.cell}, live", is_live=True
+            self._server,
+            page,
+            news,
+            self._add_controls,
+            origin=f"{config.cell}, live",
+            watched=nodes_of(config.cell),
         )
         self._period = 1.0 / config.frame_rate
         self._thread = NodeThread(self, self._turn, "page")
-        print(f"page: {page_address(config.host, config.port, token)}", flush=True)
+        # Without the token: what a node prints ends in files.
+        needs = f", with the token of {TOKEN_VARIABLE}" if token else ""
+        print(f"page: {page_address(config.host, config.port)}{needs}", flush=True)
 
     def destroy_node(self) -> None:
         """Close the page, then end."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from functools import partial
 from typing import Any
 
@@ -34,12 +34,13 @@ class LivePage:
         controls: adds what the cell, or the recording, is operated with; called with the log, and returns
             what brings it up to date.
         origin: what is shown, such as `live` or a recording's name.
-        is_live: whether nodes run now.
+        watched: nodes whose silence is a fault; None where no nodes run, as in a recording.
     """
 
     def __init__(
         self, server: ViserServer, cell_page: type[CellPage], source: NewsSource,
-        controls: Callable[[EventLog], Callable[[], None]], *, origin: str, is_live: bool,
+        controls: Callable[[EventLog], Callable[[], None]], *, origin: str,
+        watched: Collection[str] | None = None,
     ) -> None:  # fmt: skip
         self._server, self._source, self._origin = server, source, origin
         gui = server.gui
@@ -48,7 +49,7 @@ class LivePage:
         self._facts = gui.add_html("")
         self.log = EventLog()
         self.cell = cell_page(server, self.log)
-        self.board = NodeBoard(self.log, watches_silence=is_live)
+        self.board = NodeBoard(self.log, watched)
         self._show_controls = controls(self.log)
         self._add_view(cell_page.presets)
         with gui.add_folder("Nodes"):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import Any
 
@@ -34,14 +34,15 @@ class NodeBoard:
 
     Args:
         log: is told of changes.
-        watches_silence: whether a node that says nothing is a fault; not in a recording, which may be held.
+        watched: nodes whose silence is a fault; others, such as the client of a goal, are forgotten when they
+            fall silent. None: nobody is, as in a recording, which may be held.
         clock: wall clock that never jumps [s].
     """
 
     def __init__(
-        self, log: EventLog, *, watches_silence: bool, clock: Callable[[], float] = time.monotonic
+        self, log: EventLog, watched: Collection[str] | None, clock: Callable[[], float] = time.monotonic
     ) -> None:
-        self._log, self._watches_silence, self._clock = log, watches_silence, clock
+        self._log, self._watched, self._clock = log, watched, clock
         self._nodes: dict[str, NodeHealth] = {}
 
     def take(self, message: Any, time: float | None = None) -> None:
@@ -65,15 +66,24 @@ class NodeBoard:
 
     @property
     def silent(self) -> list[str]:
-        """Nodes that have reported before and do so no longer."""
-        if not self._watches_silence:
+        """Watched nodes that have reported before and do so no longer."""
+        return [name for name in self._unheard() if name in (self._watched or ())]
+
+    def _unheard(self) -> list[str]:
+        """Nodes, of any kind, that have reported before and do so no longer."""
+        if self._watched is None:
             return []
         now = self._clock()
         return [name for name, node in self._nodes.items() if now - node.heard_at > SILENT]
 
+    def _forget_the_gone(self) -> None:
+        for name in set(self._unheard()) - set(self.silent):
+            del self._nodes[name]
+
     @property
     def has_fault(self) -> bool:
         """Whether a node reports an error or has fallen silent."""
+        self._forget_the_gone()
         return bool(self.silent) or any(node.level > WARN for node in self._nodes.values())
 
     def html(self) -> str:
@@ -81,6 +91,7 @@ class NodeBoard:
 
         A node counts what it refused for as long as it runs; it is well again once nothing was for a while.
         """
+        self._forget_the_gone()
         silent, rows, well = self.silent, [], []
         for name, node in sorted(self._nodes.items()):
             if name in silent:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import gc
 import math
 import os
 import subprocess
-import threading
+import sys
 from multiprocessing.shared_memory import SharedMemory
 from pathlib import Path
 from typing import Any
@@ -64,21 +63,37 @@ def test_a_goal_that_was_lost_is_named(tmp_path: Path) -> None:
     assert (tmp_path / "soak.png").stat().st_size > 10_000
 
 
+GROWING = """
+import os, sys, threading
+print("begun", flush=True)
+sys.stdin.readline()
+held, ended = bytearray(b"x") * 50_000_000, threading.Event()
+thread = threading.Thread(target=ended.wait)
+thread.start()
+with open(os.devnull):
+    print("grown", flush=True)
+    sys.stdin.readline()
+ended.set()
+"""
+"""A process that takes 50 MB, a thread and a descriptor on request; in ours other tests free some, too."""
+
+
 def test_memory_threads_and_descriptors_of_a_process_are_read() -> None:
-    gc.collect()  # else what earlier tests left might be freed between both measurements
-    before = usage_of(os.getpid())
-    held, ended = bytearray(b"x") * 50_000_000, threading.Event()
-    thread = threading.Thread(target=ended.wait)
-    thread.start()
-    with Path(os.devnull).open() as file:
-        after = usage_of(os.getpid())
-        assert not file.closed
-    ended.set()
-    thread.join()
+    with subprocess.Popen(
+        [sys.executable, "-c", GROWING], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as child:
+        assert child.stdin is not None
+        assert child.stdout is not None
+        found = []
+        for _ in range(2):
+            child.stdout.readline()
+            found.append(usage_of(child.pid))
+            child.stdin.write("\n")
+            child.stdin.flush()
+    before, after = found
     assert after.memory_mb - before.memory_mb == pytest.approx(50.0, abs=10.0)
     assert after.threads == before.threads + 1
     assert after.descriptors == before.descriptors + 1
-    assert len(held)
 
 
 def test_shared_memory_segments_are_counted(tmp_path: Path) -> None:

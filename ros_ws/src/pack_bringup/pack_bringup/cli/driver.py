@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -48,8 +49,19 @@ def check(
     options += ["--driver-action", action] if action else []
     tests = "test_packing_driver.py" if cell == "packing" else "test_position_driver.py"
     pytest = [sys.executable, "-m", "pytest", "-v", f"tests/contract/{tests}", *options]
-    done = subprocess.run([*pytest, *(["-k", only] if only else [])], cwd=project_root(), check=False)
-    raise typer.Exit(done.returncode)
+    raise typer.Exit(_wait_for([*pytest, *(["-k", only] if only else [])]))
+
+
+def _wait_for(tests: list[str]) -> int:
+    """The exit code of the tests, which end the driver that they have started before they end themselves.
+
+    Ctrl-C reaches them without us, and SIGTERM is passed on as one: if we went before them a driver, and
+    perhaps an arm, would be left to itself.
+    """
+    process = subprocess.Popen(tests, cwd=project_root())
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, lambda *_: process.send_signal(signal.SIGINT))
+    return process.wait()
 
 
 @app.command()

@@ -34,7 +34,9 @@ def play(
     node: Annotated[
         str | None, typer.Option("--for", metavar="NODE", help="Publish only what this node listens to.")
     ] = None,
-    cell: Annotated[str, typer.Option(help="Cell of the node that --for names.")] = "packing",
+    cell: Annotated[
+        str, typer.Option(help="Cell whose nodes count as alive; that of the recording by default.")
+    ] = "",
     start: Annotated[float, typer.Option("--from", help="Simulated time to begin at [s].")] = 0.0,
     end: Annotated[float, typer.Option("--to", help="Simulated time to end at [s].")] = float("inf"),
     wait: Annotated[
@@ -67,8 +69,9 @@ def play(
     from pack_bringup.recording.playback import load_playback
     from pack_bringup.recording.ros.bag_player import BagPlayer
     from pack_core.ros.contracts.table import wiring_of
+    from pack_evaluation.record import cell_of
 
-    wiring = wiring_of(cell)
+    wiring = wiring_of(cell or cell_of(bag))
     heard = () if node is None else heard_by(node, wiring)
     playback = load_playback(bag, topics, heard, start=start, end=end)
     senders = sorted({s for c in wiring if c.name in playback.topics for s in c.sources} - {node, "all"})

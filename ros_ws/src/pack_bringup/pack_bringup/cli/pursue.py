@@ -84,10 +84,10 @@ class _Canceling:
             signal.signal(number, self._on_signal)
 
     def serve(self, node: Any) -> None:
-        """Pass the request on, once there is a goal to cancel."""
+        """Pass the request on, if a goal is under way or about to be."""
         if not self._wanted or self._asked:
             return
-        if not node.is_accepted:
+        if not node.is_sent:
             raise typer.Exit(130)
         self._asked = True
         typer.echo("canceling; Ctrl-C once more leaves the goal to itself")

@@ -17,6 +17,7 @@ from pack_bringup.cli.options import Jobs, Ray
 from pack_bringup.cli.terminal import end_as_by_ctrl_c, notice, show_table
 
 if TYPE_CHECKING:
+    from pack_lockstep.benchmarking.results_folder import ResultsFolder
     from pack_lockstep.results.definitions import BenchmarkDefinition, Definitions
     from pack_lockstep.results.published import PublishedResult, Standing
 
@@ -78,13 +79,15 @@ def run(
     names: Names = None,
     jobs: Jobs = 1,
     ray: Ray = None,
-    everything: Annotated[bool, typer.Option("--all", help="Also what is valid.")] = False,
+    everything: Annotated[
+        bool, typer.Option("--all", help="Also what is valid; all trials are run again.")
+    ] = False,
 ) -> None:
     """Measure what is stale or missing, and publish each result as soon as it is there.
 
     Trials are kept below bags/results: after Ctrl-C the same command goes on where it was, unless sources
-    changed that the trials depend on. A benchmark that fails does not keep the others from being run; the
-    exit code is then 1.
+    or packages changed that the trials depend on. A benchmark that fails does not keep the others from
+    being run; the exit code is then 1.
 
     - `pack results run --jobs 2`
     - `pack results run packing/ideal`
@@ -106,7 +109,7 @@ def run(
     for number, (name, definition) in enumerate(wanted.items(), 1):
         minutes = definition.minutes / (1 if definition.is_live else definition.jobs or jobs)
         notice(f"[{number} of {len(wanted)}] {name}, about {minutes:.0f} minutes", typer.colors.CYAN)
-        if not _measure(name, definition, definitions, jobs=jobs, ray=ray):
+        if not _measure(name, definition, definitions, jobs=jobs, ray=ray, anew=everything):
             failed.append(name)
     if failed:
         notice(f"could not be measured: {', '.join(failed)}", typer.colors.RED, is_error=True)
@@ -115,9 +118,13 @@ def run(
 
 
 def _measure(
-    name: str, definition: BenchmarkDefinition, definitions: Definitions, *, jobs: int, ray: str | None
-) -> bool:
-    """Run a benchmark in a process of its own and publish its summary; whether it came to its end."""
+    name: str, definition: BenchmarkDefinition, definitions: Definitions, *, jobs: int, ray: str | None,
+    anew: bool,
+) -> bool:  # fmt: skip
+    """Run a benchmark in a process of its own and publish its summary; whether it came to its end.
+
+    Trials that are kept below bags/results are gone on with, unless they are of other code, or `anew` is set.
+    """
     from pack_core.paths import bags_path, project_root
     from pack_lockstep.benchmarking.pools import LocalPool
     from pack_lockstep.benchmarking.results_folder import ResultsFolder
@@ -132,13 +139,25 @@ def _measure(
     if not definition.is_live:
         command += ["--jobs", str(definition.jobs or jobs)]
         command += [] if ray is None else ["--ray", ray]
-    if folder.path.is_dir() and (not folder.sources or folder.changed_sources()):
+    if folder.path.is_dir() and (anew or not _is_of_this_code(folder)):
         command.append("--fresh")
     if subprocess.run(command, check=False, cwd=project_root()).returncode != 0:
         return False
     folder.add_sources(sources)
     _publish(name, definition, definitions, folder.path)
     return True
+
+
+def _is_of_this_code(folder: ResultsFolder) -> bool:
+    """Whether trials that are kept are of the sources and packages that are here."""
+    from pack_evaluation.provenance import installed_versions
+    from pack_lockstep.results.published import differing_package
+
+    if not folder.sources or folder.changed_sources():
+        return False
+    if not folder.is_at(folder.path):
+        return True  # of goals of running nodes, which are always sent anew
+    return not differing_package(folder.kept(()).origin.get("versions", {}), installed_versions())
 
 
 def _pack(words: list[str]) -> None:

@@ -6,6 +6,7 @@ import io
 import re
 import signal
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
@@ -35,14 +36,18 @@ class Tee(io.TextIOBase):
         return self._terminal.isatty()
 
     def write(self, text: str) -> int:
-        """Write to both."""
-        self._file.write(COLOUR.sub("", text))
-        return self._terminal.write(text)
+        """Write to both; one that takes nothing, a full disk or a closed pipe, does not silence the other."""
+        with suppress(OSError):
+            self._file.write(COLOUR.sub("", text))
+        with suppress(OSError):
+            self._terminal.write(text)
+        return len(text)
 
     def flush(self) -> None:
-        """Have both written."""
-        self._file.flush()
-        self._terminal.flush()
+        """Have both written, as far as they take it."""
+        for stream in (self._file, self._terminal):
+            with suppress(OSError):
+                stream.flush()
 
 
 def lines_of(log: Path, name: str) -> list[str]:

@@ -8,6 +8,7 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from datetime import datetime
 from queue import Queue
 from threading import Condition, Thread
@@ -120,7 +121,8 @@ class ProcessGroup:
         """Send a signal to one process and its children, if it is still alive."""
         pid = self.pid(name)
         if name in self.running:
-            os.killpg(pid, number)
+            with suppress(ProcessLookupError):  # it has ended, which is not told yet
+                os.killpg(pid, number)
 
     def stop(self, grace: float = 10.0) -> None:
         """End all as Ctrl-C would, and kill what is still alive after `grace` [s] of wall clock.
@@ -145,7 +147,7 @@ class ProcessGroup:
     def _relay(self) -> None:
         while (message := self._events.get()) is not None:
             if message.type == "line":
-                self._printer.write(message)
+                self._write(message)
                 continue
             with self._changed:
                 if message.type == "start":
@@ -156,7 +158,11 @@ class ProcessGroup:
                 self._changed.notify_all()
 
     def _report(self, name: str, text: str) -> None:
-        self._printer.write(Message("line", text, datetime.now(), name, None))
+        self._write(Message("line", text, datetime.now(), name, None))
+
+    def _write(self, message: Message) -> None:
+        with suppress(OSError, ValueError):  # a closed pipe or a full disk must not end our watch
+            self._printer.write(message)
 
 
 def _pass_on_no_ignored_ctrl_c() -> None:

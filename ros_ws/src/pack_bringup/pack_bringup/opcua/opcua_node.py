@@ -114,8 +114,10 @@ class OpcuaNode(CellNode):
         return heard + [(Stream(self, _status_of(action)), self._on_goals) for action in actions]
 
     def _turn(self) -> None:
-        for stream, take in self._streams:
-            for sent_ns, message in stream.take_with_times():
+        # The ends of goals are taken first and told last: by then all has come that says why they ended.
+        news = [(stream, take, stream.take_with_times()) for stream, take in reversed(self._streams)]
+        for stream, take, messages in reversed(news):
+            for sent_ns, message in messages:
                 if sent_ns >= self._begun_ns:
                     self.guard(stream.contract, take, message)
         view, now = self.view, datetime.now(UTC)

@@ -74,6 +74,11 @@ class GoalClient(CellNode):
         self.create_subscription(status.type, status.name, self._on_status, LISTENING)
 
     @property
+    def is_sent(self) -> bool:
+        """Whether the goal is on its way, or was taken."""
+        return self._sender.is_sent
+
+    @property
     def is_accepted(self) -> bool:
         """Whether the goal was taken."""
         return self._sender.is_accepted

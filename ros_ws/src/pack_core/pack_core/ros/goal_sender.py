@@ -41,6 +41,7 @@ class GoalSender:
         is_ready: whether the cell is ready for a goal; after a reset perception may have to look anew.
 
     Attributes:
+        is_sent: whether the goal is on its way, or was taken.
         is_accepted: whether the goal was taken.
         feedback: the newest, if any.
         result: once the goal has ended.
@@ -60,7 +61,8 @@ class GoalSender:
         self._timer: Any = None
         self._handle: Any = None
         self._is_cancel_wanted = False
-        self.is_accepted, self.failure = False, ""
+        self.is_sent = self.is_accepted = False
+        self.failure = ""
         self.feedback: Any = None
         self.result: Any = None
 
@@ -72,7 +74,8 @@ class GoalSender:
     def send(self, goal: Any, reset: Any = None) -> None:
         """Begin with a goal, and the request that puts the cell into its scene; an earlier one is let go."""
         self._end_timer()
-        self.is_accepted, self._is_cancel_wanted, self.failure = False, False, ""
+        self.is_sent = self.is_accepted = self._is_cancel_wanted = False
+        self.failure = ""
         self.feedback = self.result = None
         run = TaskRun(self._steps(goal, reset))
         self._timer = self._node.create_timer(PERIOD, lambda: self._go_on(run), clock=self._node.wall)
@@ -102,6 +105,7 @@ class GoalSender:
         yield from wait(self._is_ready, ANSWER, time.monotonic)
         if not (yield from wait(self._action.server_is_ready, ANSWER, time.monotonic)):
             raise PackError(f"nobody takes goals of {self._name}")
+        self.is_sent = True
         sent = self._action.send_goal_async(goal, feedback_callback=self._take_feedback)
         self._handle = yield from ask(sent, ANSWER, time.monotonic)
         if not self._handle.accepted:

@@ -13,8 +13,16 @@ from pack_core.errors import ConfigError
 from pack_core.text.json_text import parse_json
 from pack_lockstep.benchmarking.sources import digests, fingerprint
 
-PACKAGES = ("mujoco", "numpy", "scipy", "numba")
+PACKAGES = ("mujoco", "numpy", "scipy", "numba", "ruckig", "opencv-python-headless", "shapely")
 """Installed packages without which, in the same version, the figures are not the same."""
+
+
+def differing_package(before: Mapping[str, str], now: Mapping[str, str]) -> str:
+    """What of `PACKAGES` was there in another version, in words; empty where nothing is known to differ."""
+    for name in PACKAGES:
+        if name in before and before[name] != now.get(name):
+            return f"{name} {before[name]} was installed, now {now.get(name)}"
+    return ""
 
 
 class ResultState(Enum):
@@ -89,10 +97,8 @@ class PublishedResult:
         if changed:
             more = f" and {len(changed) - 1} more" if len(changed) > 1 else ""
             return Standing(ResultState.STALE, f"{changed[0]}{more} changed")
-        for name in PACKAGES:
-            if self.packages.get(name) != packages.get(name):
-                what = f"{self.packages.get(name)} was installed, now {packages.get(name)}"
-                return Standing(ResultState.STALE, f"{name} {what}")
+        if reason := differing_package(self.packages, packages):
+            return Standing(ResultState.STALE, reason)
         return Standing(ResultState.VALID)
 
 

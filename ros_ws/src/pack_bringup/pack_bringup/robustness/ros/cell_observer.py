@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any, Self
 
 import rclpy
@@ -151,7 +152,7 @@ class CellObserver:
         if not self.spin_until(sent.done, 20.0):
             raise PackError("the goal was not answered")
         self._handle = sent.result()
-        self._handle.get_result_async().add_done_callback(self._on_result)
+        self._handle.get_result_async().add_done_callback(partial(self._on_result, self._handle))
 
     def _client(self, make: Callable[..., Any], contract: Contract) -> Any:
         """The client of a service or an action. It is made once: all nodes remember every one that came."""
@@ -200,5 +201,6 @@ class CellObserver:
             getattr(feedback, field) for field in ("stage", "state", "phase") if hasattr(feedback, field)
         )
 
-    def _on_result(self, future: Any) -> None:
-        self.result = future.result().result
+    def _on_result(self, handle: Any, future: Any) -> None:
+        if handle is self._handle:  # else it is of a goal that was given up
+            self.result = future.result().result
