@@ -54,6 +54,7 @@ class Driver(CellNode):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("sim", **kwargs)
         self._state, self.stops, self.is_stopped = self.advertise(shared.ARM_STATE), 0, False
+        self.refusal = ""
         self.create_service(Trigger, shared.RESUME_ARM.name, self._on_resume)
         self.tell()
 
@@ -70,8 +71,9 @@ class Driver(CellNode):
         self._state.publish(ArmState(is_stopped=self.is_stopped, reason=reason, stops=self.stops))
 
     def _on_resume(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        response.success = self.is_stopped
-        self.release()
+        response.success, response.message = self.is_stopped and not self.refusal, self.refusal
+        if not self.refusal:
+            self.release()
         return response
 
 
@@ -96,6 +98,18 @@ def test_a_stop_of_the_arm_ends_the_goal_once_and_the_next_goal_releases_it(
     driver.tell()
     waiter.end(True, "done")
     assert ended(graph, following) == (GoalStatus.STATUS_SUCCEEDED, "done")
+
+
+def test_an_arm_whose_driver_does_not_release_it_gets_no_goal(
+    graph: Graph, waiter: Waiter, driver: Driver
+) -> None:
+    driver.stop()
+    graph.wait_until(lambda: waiter._arm_stops._arm.is_stopped)
+    driver.refusal = "it must be cleared by hand"
+    status, message = ended(graph, send(graph))
+    assert status == GoalStatus.STATUS_ABORTED
+    assert message == "the arm was stopped: a button, and was not released: it must be cleared by hand"
+    assert waiter.started == 0
 
 
 def test_a_stop_that_was_released_before_it_was_heard_of_ends_the_goal_all_the_same(

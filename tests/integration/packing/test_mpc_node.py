@@ -160,6 +160,17 @@ def test_the_arm_holds_while_the_cameras_see_nothing_and_goes_on_when_they_do(ce
     assert result.success, result.message
 
 
+def test_a_goal_can_be_canceled_while_the_cameras_see_nothing(cell: Cell) -> None:
+    handle = cell.pack()
+    cell.wait_for_motion()
+    with cell.sim.lock:
+        mocap = cell.sim.simulator.mocap
+        mocap.config = mocap.config.model_copy(update={"min_cameras": 99})
+    cell.graph.wait_until(lambda: "seen nothing" in cell.mpc.health.last.get("skipped iteration", ""), 30.0)
+    handle.cancel_goal_async()
+    assert cell.graph.result_of(handle).exit_reason == "canceled"
+
+
 def weigh(cell: Cell, times: float) -> None:
     """Have the held object weigh so many times as much."""
     with cell.sim.lock:

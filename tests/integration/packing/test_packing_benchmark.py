@@ -87,7 +87,7 @@ def test_a_scene_of_the_folder_in_this_process_with_two_threads_is_the_same_bit_
     folder: ResultsFolder,
 ) -> None:
     job = scene_jobs(BenchmarkSettings(scene_dir=folder.path / "scenes"), 3, 1)[0]
-    assert job.name == "seed_3"
+    assert job.name == "seed_3_seed3"
     result = run_scene(short(threads=2), job)
     assert result.run.iterations.times.size > 3
     assert_same(result.run, load(folder, "seed_3"))

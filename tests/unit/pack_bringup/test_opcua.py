@@ -108,10 +108,10 @@ def test_objects_of_a_list_count_while_the_job_goes_on() -> None:
     work = cell_part("packing", "production")()
     _, result, progress, end = work.topics
 
-    def report(packed: list[bool], start: float = 1.0) -> SimpleNamespace:
+    def report(packed: list[bool], start: float = 1.0, exit_reason: str = "done") -> SimpleNamespace:
         rows = [{"packed": is_packed} for is_packed in packed]
         plain = {"start": start, "objects": rows, "stage": "PACK", "object": None, "message": "stuck"}
-        return SimpleNamespace(data=json.dumps(plain))
+        return SimpleNamespace(data=json.dumps({**plain, "exit_reason": exit_reason}))
 
     for packed in ([], [True], [True, False], [True, False, True]):
         work.take(progress, report(packed))
@@ -119,6 +119,9 @@ def test_objects_of_a_list_count_while_the_job_goes_on() -> None:
     assert (work.placed, work.pallets, work.message) == (2, 0, "stuck")
     work.take(end, report([True], start=9.0))
     assert (work.placed, work.pallets) == (3, 1)
+    for no_end in (report([True], start=9.0, exit_reason="canceled"), report([], start=11.0)):
+        work.take(end, no_end)
+    assert work.pallets == 1
     work.take(result, SimpleNamespace(data=json.dumps({"success": True, "message": ""})))
     assert work.placed == 4
 

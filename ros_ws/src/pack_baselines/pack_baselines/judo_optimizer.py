@@ -112,7 +112,8 @@ def require_judo() -> Any:
     except ImportError as error:
         raise PackError(
             "the optimizer judo needs the package judo-rai, which is not installed: "
-            "uv pip install --no-deps -r requirements/judo.txt, or choose another optimizer"
+            ".venv/bin/uv pip install --python .venv/bin/python --no-deps -r requirements/judo.txt, or "
+            "choose another optimizer"
         ) from error
 
 

@@ -27,6 +27,9 @@ DEFINITIONS = ("ros2msg", "ros2idl")
 """Encodings of definitions of ROS 2 messages in MCAP."""
 DIGITS = 5
 """The most that the number of a bag's file has; longer ones are dates."""
+ANEW_NS = 1_000_000_000
+"""By which time must go back in a file for the simulator to have begun anew [ns]."""
+MIXED = "time goes back within it: the simulator was started anew, and what came before and after is mixed"
 
 
 class _Definition(NamedTuple):
@@ -193,10 +196,15 @@ def _read_mcap_files(bag: Path, files: _Files, topics: Collection[str] | None) -
         }
         channels = _topics_of(content, types, left_out)
         found |= {topic.name: topic for topic in channels.values()}
-        unknown = 0
+        unknown = newest_ns = 0
         for item in content.messages:
-            if item.channel_id in channels:
-                messages.append(RawMessage(channels[item.channel_id].name, item.log_time, item.data))
+            topic = channels.get(item.channel_id)
+            if topic is not None:
+                if item.log_time < newest_ns - ANEW_NS:
+                    notes[MIXED] = None
+                newest_ns = max(newest_ns, item.log_time)
+                if topics is None or topic.name in topics:
+                    messages.append(RawMessage(topic.name, item.log_time, item.data))
             elif item.channel_id not in left_out:
                 unknown += 1
         is_cut, damaged = is_cut or not content.is_whole, damaged + content.damaged + unknown
@@ -206,10 +214,8 @@ def _read_mcap_files(bag: Path, files: _Files, topics: Collection[str] | None) -
             + ("; ".join(notes) or "not an MCAP file, or cut off at its very start")
         )
     wanted = {name: topic for name, topic in found.items() if topics is None or name in topics}
-    kept = (item for item in messages if item.topic in wanted)
-    return RawBag(
-        bag, wanted, tuple(sorted(kept, key=lambda item: item.time_ns)), types, is_cut, damaged, tuple(notes)
-    )
+    in_order = tuple(sorted(messages, key=lambda item: item.time_ns))
+    return RawBag(bag, wanted, in_order, types, is_cut, damaged, tuple(notes))
 
 
 def _left_out(content: McapContent) -> dict[int, str]:

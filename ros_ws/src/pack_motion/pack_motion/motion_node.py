@@ -36,6 +36,8 @@ from pack_motion.trajectory_output import LONGEST_GAP, Cancel, DriverClock, Traj
 
 COMMANDER = "fsm"
 """The node whose moves are given up when its process ends: a new one knows nothing of them."""
+FASTEST = 2.0
+"""Largest scaling factor of a driver's speed that is believed: a percentage, say, is none."""
 READ_PERIOD = 0.05
 """Longest time for which the reader waits for a joint state [s of wall clock]."""
 
@@ -79,7 +81,7 @@ class MotionNode(CellNode):
         self._planning = PlanningThread(self._prepare, self._on_error)
         self._trajectories = self._open_trajectories()
         self._output: TrajectoryOutput | None = None
-        self._driver_clock = DriverClock()
+        self._driver_clock, self._obstacle_stamps = DriverClock(), StampCheck(self)
         self._setpoints = self.advertise(contracts.SETPOINTS)
         self._writer = TrajectoryWriter(self._arm.limits.names)
         self._status, self._status_writer = self.advertise(contracts.MOTION_STATUS), MotionStatusWriter()
@@ -158,6 +160,8 @@ class MotionNode(CellNode):
         obstacles = from_obstacles(message.obstacles)
         # A sender that leaves the stamp out means: now.
         time = from_stamp(message.header.stamp) or None
+        if time is not None:
+            self._obstacle_stamps.check(time)  # one ahead of the clock would never be too old
         with self._stepping:
             if self._stream is not None:
                 self._stream.controller.observe(obstacles, time and self._driver_clock.at(time))
@@ -248,8 +252,14 @@ class MotionNode(CellNode):
     def _look_at_driver(self) -> None:
         """Note how fast the driver goes through its trajectory."""
         state = self._trajectories and self._trajectories.newest_state()
-        if state:
-            self._driver_clock.see(from_stamp(state.header.stamp), state.speed_scaling_factor)
+        if not state:
+            return
+        factor = float(state.speed_scaling_factor)
+        if not 0.0 <= factor <= FASTEST:  # nor is NaN
+            self.health.count("refused", f"speed_scaling_factor is {factor}; allowed: 0 to {FASTEST:g}")
+            return
+        self._driver_clock.see(from_stamp(state.header.stamp), factor)
+        self.health.values["speed scaling"] = f"{factor:.2f}"
 
     def _start(self, sample: JointSample) -> SetpointStream:
         """Start from the measured posture, and drop all targets: time has begun anew."""

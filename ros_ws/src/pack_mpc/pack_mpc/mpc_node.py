@@ -10,7 +10,7 @@ from pack_interfaces.action import FillContainer, PackObject
 from pydantic import Field, PositiveFloat
 from std_msgs.msg import String
 
-from pack_core.errors import PackError
+from pack_core.errors import MessageError, PackError
 from pack_core.joints import Setpoints, hold
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.goals import PackingExitReason
@@ -98,13 +98,18 @@ class MpcNode(GoalNode):
         self._mailbox.clear_forces()
         if isinstance(request, FillContainer.Goal):
             fill = self._fills.begin(request, self._config, self._described, self._mailbox.time)
-            await self._reach_end(fill)
-            return self._fills.report(fill, self._mailbox.time)
+            try:
+                await self._reach_end(fill)
+            finally:
+                result = self._fills.report(fill, self._mailbox.time)
+            return result
         method, now = method_of(request), self._mailbox.time
         session = PackingSession(self._described(), self._cell, self._config, method, now, request.timeout)
         self._placements.start(request.seed)
-        await self._reach_end(PackGoal(session, self._placements))
-        self._result.publish(to_outcome(session))
+        try:
+            await self._reach_end(PackGoal(session, self._placements))
+        finally:
+            self._result.publish(to_outcome(session))
         return to_result(session)
 
     async def _reach_end(self, goal: PackGoal | FillGoal) -> None:
@@ -125,13 +130,19 @@ class MpcNode(GoalNode):
         if goal is None:
             return None
         self._worker.wake()  # again after this turn, until the goal has ended
+        if self.is_cancel_requested:
+            goal.finish(PackingExitReason.CANCELED, self._mailbox.time, "on request")
+            self._end(goal)
+            return None
         if not self._mailbox.wait_for_joints() or self.silent_peers:
             self._expire(goal)
             return None
         session = goal.session
-        seen = self._mailbox.observe(self._config.blind_time if session is None else session.blind_time)
-        if self.is_cancel_requested:
-            goal.finish(PackingExitReason.CANCELED, seen.joints.time, "on request")
+        try:
+            seen = self._mailbox.observe(self._config.blind_time if session is None else session.blind_time)
+        except MessageError:
+            self._expire(goal)
+            raise
         goal.follow(self._described())
         self._give_up_for_load(goal)
         turn = goal.turn(seen, self._mailbox.force, latency)
@@ -192,8 +203,7 @@ class MpcNode(GoalNode):
         self._fail(reason)
 
     def give_up(self) -> None:
-        if (goal := self._pursued) is not None:
-            self._end(goal)
+        self._fail("the node that pursued it failed; its log says why")
 
     def _fail(self, reason: str) -> None:
         if (goal := self._pursued) is not None:

@@ -82,10 +82,11 @@ class PackingSession:
         is_same_goal &= set(self.scene.names) <= set(scene.names)
         if not is_same_goal or scene.objects == self.scene.objects:
             return False
-        self.scene = scene = self.scene.model_copy(update={"objects": scene.objects})
+        scene = self.scene.model_copy(update={"objects": scene.objects})
+        self.controller.change_scene(self._modelled(scene))
         self.task.change_scene(scene)
         self._watch.change_scene(scene)
-        self.controller.change_scene(self._modelled(scene))
+        self.scene = scene  # the last: a scene that cannot be modelled is tried again, and told of again
         return True
 
     def needs_placement(self, scene: SceneState) -> bool:

@@ -1,5 +1,7 @@
 """Steps of a task: waiting, asking, and what becomes of them."""
 
+import pytest
+
 from pack_core.errors import PackError
 from pack_core.tasks.steps import Steps, TaskRun, ask, wait
 
@@ -37,6 +39,19 @@ def test_what_is_asked_is_answered_or_fails_in_words() -> None:
     cell = Cell(9.0)
     run = cell.run(ask(cell, 3.0, lambda: cell.time))
     assert (run.outcome, run.failure) == (None, "no answer within 3 s")
+
+
+def test_a_task_that_breaks_has_failed_and_not_ended_well() -> None:
+    def steps() -> Steps[str]:
+        yield
+        raise KeyError("tin")
+
+    run = TaskRun(steps())
+    run.go_on()
+    with pytest.raises(KeyError):
+        run.go_on()
+    run.go_on()
+    assert (run.is_over, run.outcome, run.failure) == (True, None, "KeyError('tin')")
 
 
 def test_a_task_that_has_ended_does_nothing_more_and_keeps_its_first_reason() -> None:

@@ -12,18 +12,16 @@ import numpy as np
 import pytest
 
 from pack_core.errors import BagError
-from pack_core.motion.topics import JOINT_STATES, SETPOINTS
+from pack_core.motion.topics import JOINT_STATES, MOTION_SEPARATION, SETPOINTS
 from pack_core.palletizing import topics
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.imperfections import Displacement
 from pack_core.palletizing.model import build_model
 from pack_core.robots.kr210 import BASE
-from pack_core.ros.contracts import motion as contracts
 from pack_core.rotations import Array, Pose, from_yaw
 from pack_evaluation.bag import Bag, Recorded
 from pack_evaluation.palletizing.from_bag import (
     DECK,
-    SEPARATION,
     TF_STATIC,
     frames_in,
     interruptions_of,
@@ -178,13 +176,12 @@ def test_a_recorded_order_becomes_arrays_and_measures(tmp_path: Path) -> None:
 
 def test_margins_to_people_are_those_that_were_told_while_the_arm_was_under_way(tmp_path: Path) -> None:
     told = [
-        (2.2 + 0.1 * k, SEPARATION, make(
+        (2.2 + 0.1 * k, MOTION_SEPARATION, make(
             "pack_interfaces/msg/Separation", header=header(2.2 + 0.1 * k), margin=margin,
             distance=margin + 0.4, who="person", is_under_way=is_under_way,
         )) for k, (margin, is_under_way) in enumerate([(0.5, True), (0.2, True), (-0.1, False)])
     ]  # fmt: skip
     write_bag(tmp_path, sorted([*an_order(), *told], key=lambda row: row[0]))
-    assert contracts.SEPARATION.name == SEPARATION
     run = load_pallet_run(tmp_path)
     track = run.separation
     assert track is not None

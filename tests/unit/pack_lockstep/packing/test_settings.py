@@ -96,7 +96,7 @@ def test_a_folder_of_scenes_is_taken_in_order_of_names(tmp_path: Path) -> None:
     for name in ("b", "a", "c"):
         (tmp_path / f"{name}.yaml").write_text(EASY.read_text())
     jobs = scene_jobs(BenchmarkSettings(scene_dir=tmp_path), 5, 2)
-    assert [(job.name, job.seed) for job in jobs] == [("a", 5), ("b", 6)]
+    assert [(job.name, job.seed) for job in jobs] == [("a_seed5", 5), ("b_seed6", 6)]
     assert jobs[0].scene is not None
     assert jobs[0].scene.names == ["soup_can", "tea_box"]
 

@@ -89,6 +89,7 @@ def test_the_next_object_replaces_one_that_was_not_packed_and_joins_one_that_was
     assert cell.description.new_object.name == "can"
     put(cell, Pose(np.array([*container.centre, CAN.half_extents[2]])))
     cell.step()
+    assert "in the container already" in cell.present(next_one)  # it is the one that was packed last
     assert cell.present(handed_over(CARTON, CELL)) == ""
     assert cell.scene.names == cell.description.names == ["can"]
     assert cell.truth().objects["can"].X_WO.p[:2] == pytest.approx(container.centre, abs=0.002)

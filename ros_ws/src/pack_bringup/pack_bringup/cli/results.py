@@ -144,6 +144,10 @@ def _measure(
     if subprocess.run(command, check=False, cwd=project_root()).returncode != 0:
         return False
     folder.add_sources(sources)
+    if changed := folder.changed_sources():
+        what = f"{changed[0]} changed while {name} was measured: the figures would be of neither version"
+        notice(what, typer.colors.RED, is_error=True)
+        return False
     _publish(name, definition, definitions, folder.path)
     return True
 

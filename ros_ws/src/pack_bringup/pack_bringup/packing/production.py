@@ -32,7 +32,8 @@ class PackingProduction(Production):
         self._follow_job(report)
         if topic == topics.FILL_RESULT:
             self.message, self.item = str(report["message"]), ""
-            self.pallets += all(row["packed"] for row in report["objects"])
+            is_whole = report["exit_reason"] == "done" and all(row["packed"] for row in report["objects"])
+            self.pallets += bool(report["objects"]) and is_whole
         else:
             self.step, self.item = report["stage"], report["object"] or ""
 

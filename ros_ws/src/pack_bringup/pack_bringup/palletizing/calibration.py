@@ -209,16 +209,19 @@ def calibrations_for(
     """
     from pack_core.palletizing.calibration import known_cell
     from pack_core.paths import bags_path
+    from pack_lockstep.benchmarking.sources import digest
 
     if file is not None:
         known = known_cell(setup.cell.preset, str(file))
         assert known.calibration is not None
-        return replace(setup, calibrations=dict.fromkeys(seeds, known.calibration))
+        calibrations = dict.fromkeys(seeds, known.calibration)
+        return replace(setup, calibrations=calibrations, calibrated_by=f"a file, {digest(file)}")
     if not setup.cell.imperfections.uncalibrated_gap:
         return setup
     name = f"palletizing_{setup.name.replace(' ', '_')}"
     folder = (output or bags_path() / "benchmarks" / name) / FOLDER
-    return replace(setup, calibrations={seed: _of(setup, seed, folder, fresh=fresh) for seed in seeds})
+    found = {seed: _of(setup, seed, folder, fresh=fresh) for seed in seeds}
+    return replace(setup, calibrations=found, calibrated_by="its seed")
 
 
 def _of(setup: PalletSetup, seed: int, folder: Path, *, fresh: bool) -> CellCalibration:

@@ -237,7 +237,9 @@ class ArmStops:
         known = self._stops_known  # when the goal came
         if self._arm.stops == known:
             # Never a second time: it could release the arm from a stop that came in between.
-            await self._answers.of(self._resume, shared.RESUME_ARM.type.Request(), ONCE)
+            answer = await self._answers.of(self._resume, shared.RESUME_ARM.type.Request(), ONCE)
+            if not answer.success and self._arm.is_stopped:
+                raise PackError(f"{_stopped(self._arm.reason)}, and was not released: {answer.message}")
         if self._arm.stops != known:
             raise PackError(_stopped(self._arm.reason))
 

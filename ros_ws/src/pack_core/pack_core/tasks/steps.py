@@ -72,7 +72,10 @@ class TaskRun(Generic[A]):
         self.failure = ""
 
     def go_on(self) -> None:
-        """Go as far as what is known now allows; does nothing after the end."""
+        """Go as far as what is known now allows; does nothing after the end.
+
+        What is not foreseen in the steps ends the task, too, and is raised.
+        """
         if self.is_over:
             return
         try:
@@ -81,6 +84,9 @@ class TaskRun(Generic[A]):
             self.outcome, self.is_over = end.value, True
         except PackError as error:
             self.fail(str(error))
+        except Exception as error:
+            self.fail(repr(error))  # else the next look would find steps that have ended well
+            raise
 
     def fail(self, reason: str) -> None:
         """End the task for a reason; does nothing after the end."""

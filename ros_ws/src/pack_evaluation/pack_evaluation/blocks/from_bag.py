@@ -102,11 +102,14 @@ def _blocks_run(path: Path, goal: int | None) -> BlocksRun:
     )  # fmt: skip
     result = read_result(bag.of(RESULT)[-1].data, bag.path)
     truth, joints, jaw = bag.of(TRUTH), bag.of(JOINT_STATES), bag.of(JAW_STATE)
-    times = times_of(truth)
+    times, problem = times_of(truth), problem_of(result, path)
+    tracks = recorded_tracks(truth)
+    if missing := sorted(problem.goals.keys() - tracks.keys()):
+        raise BagError(f"{bag.path}: blocks of the goal were not in the cell: {', '.join(missing)}")
     return BlocksRun(
-        problem=problem_of(result, path), result=result,
+        problem=problem, result=result,
         plans=tuple(_plans(bag.of(STATUS))), sights=tuple(_sight(message) for message in bag.of(BLOCK_POSES)),
-        start=float(times[0]), end=float(times[-1]), truth=recorded_tracks(truth),
+        start=float(times[0]), end=float(times[-1]), truth=tracks,
         joint_times=times_of(joints), joints=np.array([message.position for message in joints]),
         jaw_times=times_of(jaw),
         openings=np.array([message.opening for message in jaw]), is_cut=bag.is_cut,

@@ -11,7 +11,13 @@ import numpy as np
 import numpy.typing as npt
 
 from pack_core.motion.moves import DEPART, Mode
-from pack_core.motion.topics import JOINT_STATES, MOTION_STATUS, MOTION_TARGET, SETPOINTS
+from pack_core.motion.topics import (
+    JOINT_STATES,
+    MOTION_SEPARATION,
+    MOTION_STATUS,
+    MOTION_TARGET,
+    SETPOINTS,
+)
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.imperfections import Displacement
 from pack_core.palletizing.model import fixed_frames
@@ -36,11 +42,9 @@ from pack_evaluation.track import recorded_tracks
 
 TF_STATIC, DECK = "/tf_static", "pallet_deck"
 """The topic that has the frames of what stands still, and the pallet's frame."""
-SEPARATION = "/motion/separation"
-"""By how much the arm was farther from people than it must be, while some were seen."""
 TOPICS = (
     JOINT_STATES, SETPOINTS, TRUTH, GRIPPER_STATE, PALLET_STATE, RESULT, CONTACTS, MOTION_STATUS,
-    MOTION_TARGET, TF_STATIC, SEPARATION,
+    MOTION_TARGET, TF_STATIC, MOTION_SEPARATION,
 )  # fmt: skip
 NEAR = 0.75
 """Share of the usual time between setpoints; a moment farther from all setpoints had none to follow."""
@@ -86,7 +90,7 @@ def _pallet_run(path: Path, goal: int | None) -> PalletRun:
         grip_peaks=_peaks(bag.of(GRIPPER_STATE)), interruptions=interruptions_of(bag.of(MOTION_STATUS)),
         is_cut=bag.is_cut, damaged=bag.damaged, notes=bag.notes, goal=number, stands=standing_cell(frames),
         slow=slow_intervals(bag.of(MOTION_TARGET), bag.of(MOTION_STATUS)),
-        visitors=_visitors(bag.of(SEPARATION)), separation=_separation(bag.of(SEPARATION)),
+        visitors=_visitors(bag.of(MOTION_SEPARATION)), separation=_separation(bag.of(MOTION_SEPARATION)),
     )  # fmt: skip
 
 

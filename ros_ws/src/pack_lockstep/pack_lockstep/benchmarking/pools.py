@@ -56,7 +56,7 @@ def open_pool(jobs: int, ray_address: str | None, threads: int) -> Iterator[Pool
 
 
 class LocalPool:
-    """Fresh processes, so that a trial cannot tell what ran before it.
+    """Processes of their own, each of which runs one trial after the other.
 
     Work comes from a module that can be imported, not from the script that runs.
     """
@@ -175,8 +175,8 @@ def ray_pool(address: str, threads: int, variables: Mapping[str, str]) -> Iterat
         import ray
     except ImportError as error:
         raise PackError(
-            "--ray needs Ray, which is not installed: uv pip install -r requirements/cluster.txt in every "
-            "machine's .venv (docs/develop/benchmarks.md)"
+            "--ray needs Ray, which is not installed: .venv/bin/uv pip install --python .venv/bin/python "
+            "--require-hashes -r requirements/cluster.txt on every machine (docs/develop/benchmarks.md)"
         ) from error
     try:
         ray.init(address, runtime_env={"env_vars": dict(variables)}, log_to_driver=False)

@@ -58,6 +58,7 @@ class TrialFile:
         if not path.is_file():
             path.parent.mkdir(parents=True, exist_ok=True)
             self._write({"cell": cell, "origin": plain(origin or {}), "settings": wanted})
+        _cut_off_what_is_not_whole(path)
         found = read_trials(path)
         self._trials = found.trials
         if differences := _differences(
@@ -88,8 +89,16 @@ class TrialFile:
             os.fsync(file.fileno())
 
 
+def _cut_off_what_is_not_whole(path: Path) -> None:
+    """Take out of a file a last line at which whoever wrote it was killed."""
+    content = path.read_bytes()
+    whole = content.rfind(b"\n") + 1
+    if whole != len(content):
+        os.truncate(path, whole)
+
+
 def read_trials(path: Path) -> TrialLines:
-    """What a finished or interrupted benchmark kept; a last line that was cut off is taken out of the file.
+    """What a benchmark has kept so far, also while it runs; a last line that is not whole yet is none.
 
     Raises:
         ConfigError: this is no file of trials.
@@ -97,8 +106,6 @@ def read_trials(path: Path) -> TrialLines:
     try:
         text = path.read_text(encoding="utf-8")
         whole = text[: text.rfind("\n") + 1]
-        if whole != text:
-            os.truncate(path, len(whole.encode()))
         header, *lines = [parse_json(line, str(path)) for line in whole.splitlines()]
         # Files without a cell are from before other cells than the first had folders of results.
         cell, origin = header.get("cell", CELLS[0]), header.get("origin", {})
@@ -199,7 +206,9 @@ class ResultsFolder:
         """Keep which files of the project were used, and their digests where a file was not used before."""
         before = self.sources
         if new := set(paths) - before.keys():
-            (self.path / SOURCES).write_text(json.dumps({**before, **digests(new)}, indent=1, sort_keys=True))
+            written = (self.path / SOURCES).with_suffix(".part")
+            written.write_text(json.dumps({**before, **digests(new)}, indent=1, sort_keys=True))
+            written.replace(self.path / SOURCES)
 
     def changed_sources(self) -> list[str]:
         """Files of the project that the trials depend on and that are different now."""

@@ -87,7 +87,8 @@ def require_toppra() -> Any:
         import toppra
     except ImportError as error:
         raise ConfigError(
-            "the bound of durations needs toppra: uv pip install --no-deps -r requirements/motion.txt"
+            "the bound of durations needs toppra: .venv/bin/uv pip install --python .venv/bin/python "
+            "--no-deps -r requirements/motion.txt"
         ) from error
     toppra.setup_logging("ERROR")
     return toppra

@@ -82,7 +82,8 @@ def require_ompl() -> tuple[Any, Any]:
         from ompl import base, geometric, util
     except ImportError as error:
         raise ConfigError(
-            "the planner 'ompl' needs OMPL: uv pip install --no-deps -r requirements/motion.txt"
+            "the planner 'ompl' needs OMPL: .venv/bin/uv pip install --python .venv/bin/python --no-deps "
+            "-r requirements/motion.txt"
         ) from error
     if not _seeded:
         util.setLogLevel(util.LogLevel.LOG_ERROR)

@@ -131,7 +131,11 @@ def scene_jobs(settings: BenchmarkSettings, seed: int, count: int) -> list[Scene
     if len(files) < count:
         what = f"{settings.scene_dir} has {len(files)} scene files (*.yaml), and {count} are wanted"
         raise ConfigError(f"{what}; give --scenes {len(files)}" if files else what)
-    return [SceneJob(path.stem, seed + i, load_scene(path, cell)) for i, path in enumerate(files[:count])]
+    seeds = range(seed, seed + count)
+    return [
+        SceneJob(f"{path.stem}_seed{n}", n, load_scene(path, cell))
+        for n, path in zip(seeds, files, strict=False)
+    ]
 
 
 def parse_size(text: str) -> tuple[float, float]:

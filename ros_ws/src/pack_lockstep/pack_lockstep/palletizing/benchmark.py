@@ -42,14 +42,16 @@ class PalletSetup:
     visitors: str = ""
     """Who comes near the arm: a file of config/visitors, `random`, or nobody."""
     calibrations: Mapping[int, CellCalibration] = field(default_factory=dict)
-    """By seed, of cells that are calibrated. They follow from the seed and the other settings."""
+    """By seed, of cells that are calibrated."""
+    calibrated_by: str = ""
+    """What the calibrations come from, in words; empty: there are none."""
 
     def record(self) -> dict[str, Any]:
         """All settings as plain values, for the head of the results."""
         parts = {"cell": self.cell, "config": self.config, "layout": self.layout}
         return {
             "name": self.name, **{name: part.model_dump(mode="json") for name, part in parts.items()},
-            "visitors": self.visitors,
+            "visitors": self.visitors, "calibrated_by": self.calibrated_by,
         }  # fmt: skip
 
 
@@ -84,11 +86,17 @@ def order_jobs(
     """Every order file with so many seeds from `first_seed` on, the first seed of all orders first.
 
     Raises:
-        ConfigError: a file does not exist, or is no order file.
+        ConfigError: a file does not exist, or is no order file, or two have one name.
         OrderError: the cell cannot build some of the orders; the text has the reasons for each of them.
     """
     if refusals := [refusal for path in files if (refusal := _refusal(path, cell))]:
         raise OrderError("\n".join(refusals))
+    names = [path.stem for path in files]
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise ConfigError(
+            f"trials are kept by the names of files, and several are called {', '.join(twice)}; allowed: "
+            "each name once"
+        )
     return [OrderJob(path, seed) for seed in range(first_seed, first_seed + seeds) for path in files]
 
 

@@ -12,11 +12,15 @@ from pack_core.rotations import Array, Pose, from_yaw, multiply, yaw_of
 from pack_core.tasks.steps import Steps
 from pack_mpc.filling.fill_config import FillConfig
 from pack_mpc.filling.requests import FillCommand, FillPort, Until
-from pack_mpc.filling.tool_motion import CupPace, ToolArm, lines
+from pack_mpc.filling.tool_motion import PERIOD, CupMotion, CupPace, ToolArm, lines
 from pack_mpc.task.stages import nearest_heading
 
 PAUSE = 0.1
 """Time after a motion until the arm has come to rest [s]."""
+UNLED = 0.1
+"""After so long without setpoints a driver stops the arm [s], docs/cells/packing/driver.md."""
+STANDING, REST_TIME = 0.01, 0.5
+"""Speed of joints below which the arm stands [rad/s], and the longest wait for it [s]."""
 
 
 class CupMoves:
@@ -107,13 +111,33 @@ class CupMoves:
         pause: float = PAUSE,
     ) -> Steps[None]:
         """Go along displacements `(3,)` [m] and for `pause` [s] beyond, or until a condition holds."""
-        port = self.port
+        port, last = self.port, self.port.time
+        corners = self.cup.p + np.cumsum(ways, axis=0)
         motion = self.arm.plan(port.q, port.time, lines(self.cup, ways, pace, self._config, q_WT))
         while port.time < motion.end + pause:
             if until is not None and until():
                 return
+            if port.time - last > UNLED:
+                # The driver has stopped the arm meanwhile: to go on by the clock would throw it ahead.
+                yield from self._come_to_rest()
+                left = self._ways_left(motion, corners, last)
+                yield from self.move(left, pace, q_WT, until, pause)
+                return
+            last = port.time
             port.command = FillCommand(motion.setpoints(port.time))
             yield
+
+    def _come_to_rest(self) -> Steps[None]:
+        """Wait, without setpoints, until the driver has stopped the arm."""
+        yield from self.port.wait(lambda: bool(np.all(np.abs(self.port.seen.joints.v) < STANDING)), REST_TIME)
+
+    def _ways_left(self, motion: CupMotion, corners: Array, time: float) -> list[Array]:
+        """Displacements from where the cup is over the corners that it had not passed at a time [s]."""
+        cups = np.array([self.arm.cup(q).p for q in motion.q])
+        passed = [int(np.argmin(np.linalg.norm(cups - corner, axis=1))) for corner in corners[:-1]]
+        row = (time - motion.start) / PERIOD
+        left = [corner for corner, at in zip(corners, [*passed, np.inf], strict=True) if at > row]
+        return list(np.diff(np.array([self.cup.p, *left]), axis=0))
 
     @property
     def cup(self) -> Pose:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from pack_core.errors import PackError
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.free_space import Fill, fill_of, is_packed
 from pack_core.packing.goals import Arrangement, PackingExitReason
@@ -146,12 +147,18 @@ class FillJob:
                 self._leave(name, reason, self._port.time)
             if not arrangement.order:
                 break
-            item = next(item for item in self._remaining if item.name == arrangement.order[0])
+            item = self._listed(arrangement.order[0])
             self._remaining.remove(item)
             yield from self._handle(item, arrangement.poses.get(item.name))
             self._note_fill()
         packed, given = len(self.report.packed), len(self.report.objects)
         self.report.message = self.fault or f"{packed} of {given} objects packed"
+
+    def _listed(self, name: str) -> ObjectModel:
+        for item in self._remaining:
+            if item.name == name:
+                return item
+        raise PackError(f"the planner's next object, '{name}', is none of {', '.join(self.remaining)}")
 
     def _handle(self, item: ObjectModel, X_WN: Pose | None) -> Steps[None]:
         """Take one object from its hand-over to its rest."""

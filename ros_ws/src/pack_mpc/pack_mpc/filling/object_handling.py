@@ -112,7 +112,7 @@ class ObjectHandling:
             return False
 
         yield from self._moves.rise(config.clearance, note, speed=config.carry_speed)
-        state = self._port.seen.scene.objects[item.name]
+        state = self._port.state_of(item.name)
         is_still = float(np.linalg.norm(state.v_WO_W)) < config.rest_speed
         if not is_packed(self._scene, state.X_WO):
             return "it is not in the container"

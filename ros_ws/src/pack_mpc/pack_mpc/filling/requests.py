@@ -11,11 +11,12 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TypeAlias
 
+from pack_core.errors import PackError
 from pack_core.joints import JointSample, Setpoints
 from pack_core.packing.objects import ObjectModel
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose
-from pack_core.states import SceneState
+from pack_core.states import ObjectState, SceneState
 from pack_core.tasks.steps import A, Steps, wait
 from pack_mpc.task.task import PackingOutcome
 
@@ -156,8 +157,15 @@ class FillPort:
         return self.seen.joints.q
 
     def pose_of(self, name: str) -> Pose:
-        """X_WO of an object that is seen."""
-        return self.seen.scene.objects[name].X_WO
+        """X_WO of an object; raises PackError where perception does not tell it."""
+        return self.state_of(name).X_WO
+
+    def state_of(self, name: str) -> ObjectState:
+        """Where an object is; raises PackError where perception does not tell it."""
+        objects = self.seen.scene.objects
+        if name not in objects:
+            raise PackError(f"'{name}' is not in the estimate of the scene; there is: {', '.join(objects)}")
+        return objects[name]
 
     def wait(self, until: Until, longest: float) -> Steps[bool]:
         """Wait at most `longest` [s] for a condition, the arm held by the driver; whether it came."""

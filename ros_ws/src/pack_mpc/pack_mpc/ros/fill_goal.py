@@ -239,9 +239,11 @@ class FillAction:
             PackError: the list or the method cannot be used.
         """
         FillMethod.of(request.method)
-        parse_list(request.list, "goal", self._cell)
+        given = parse_list(request.list, "goal", self._cell)
         if scene is None or mailbox.joints is None:
             return f"no {contracts.DESCRIPTION.name} or {contracts.JOINT_STATES.name} yet: is sim up?"
+        if there := sorted({item.name for item in given.objects} & set(scene.names)):
+            return f"the list has {', '.join(there)}, which the container has already; allowed: other names"
         held = scene.new_object.name
         return f"the pump holds '{held}'; allowed: an empty cup" if mailbox.is_held else ""
 
@@ -250,6 +252,7 @@ class FillAction:
     ) -> FillGoal:
         """The job of an accepted goal; `scene` returns the newest description of the cell."""
         given, method = parse_list(request.list, "goal", self._cell), FillMethod.of(request.method)
+        self._published = None
         return FillGoal(
             self._clients, self._placements, self._cell, config, given, method, request.seed, scene, time
         )

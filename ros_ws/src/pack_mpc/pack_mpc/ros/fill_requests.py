@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import yaml
@@ -14,12 +16,13 @@ from pack_core.packing.goals import Arrangement, FillMethod
 from pack_core.packing.objects import ObjectModel
 from pack_core.packing.packing_list import PackingList
 from pack_core.packing.scene import Scene
+from pack_core.ros.awaited_answer import AwaitedAnswer
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.messages.conversions import from_pose, to_pose
 from pack_core.ros.messages.scene import to_scene
 from pack_core.ros.node import CellNode
-from pack_core.tasks.steps import Steps, ask, wait
+from pack_core.tasks.steps import Steps, wait
 from pack_mpc.filling.requests import Arrange, Judge, Present, Presented, UsePump
 from pack_mpc.observation import PackingObservation
 
@@ -61,6 +64,8 @@ def arrangement_in(response: PlanFilling.Response) -> Arrangement:
     return Arrangement(tuple(response.order), placed, refused)
 
 
+PATIENCE, ONCE = (20.0, 40.0), (20.0,)
+"""How long one request after the other is waited for [s of wall clock]; what moves things is asked once."""
 JUDGED_BY = "algorithm_1"
 """Variant of the placement planner that says whether an object fits at all: it rehearses nothing."""
 SIGHT_TIME = 1.0
@@ -110,9 +115,14 @@ class FillRequests:
     def _time(self) -> float:
         return self.seen.joints.time
 
-    def _call(self, contract: Contract, request: Any) -> Steps[Any]:
-        """Send a request and wait for its answer; watched peers tell of a node that never answers."""
-        return (yield from ask(self._clients.call(contract, request), float("inf"), self._time))
+    def _call(self, contract: Contract, request: Any, patience: Sequence[float] = PATIENCE) -> Steps[Any]:
+        """Send a request, and again where no answer comes; raises PackError where none comes at all."""
+        send = partial(self._clients.call, contract, request)
+        answer = AwaitedAnswer(send, contract.name, patience, time.monotonic(), None)
+        while not answer.future.done():
+            answer.check(time.monotonic())
+            yield
+        return answer.future.result()
 
     def _arrange(self, request: Arrange) -> Steps[object]:
         remaining = self._given.model_copy(update={"objects": list(request.items)})
@@ -129,7 +139,7 @@ class FillRequests:
 
     def _present(self, item: ObjectModel) -> Steps[object]:
         text = yaml.safe_dump(item.model_dump(mode="json", exclude_none=True), sort_keys=False)
-        response = yield from self._call(contracts.PRESENT, PresentObject.Request(object=text))
+        response = yield from self._call(contracts.PRESENT, PresentObject.Request(object=text), ONCE)
         if reason := reason_in(response):
             return Presented(None, reason)
 
@@ -138,7 +148,10 @@ class FillRequests:
             return scene.new_object.name == item.name and scene.is_handed_over
 
         # The description comes by a topic of its own, and maybe later than the answer.
-        yield from wait(is_described, float("inf"), self._time)
+        if not (yield from wait(is_described, ONCE[0], time.monotonic)):
+            raise MessageError(
+                f"{contracts.DESCRIPTION.name} does not say that '{item.name}' was handed over"
+            )
         return Presented(self._scene())
 
     def look(self) -> Steps[None]:
@@ -160,6 +173,5 @@ class FillRequests:
         return (yield from self._call(contracts.PLAN_PLACEMENT, request)).message
 
     def _use_pump(self, *, close: bool) -> Steps[object]:
-        return reason_in(
-            (yield from self._call(contracts.GRIPPER_COMMAND, GripperCommand.Request(close=close)))
-        )
+        request = GripperCommand.Request(close=close)
+        return reason_in((yield from self._call(contracts.GRIPPER_COMMAND, request, ONCE)))

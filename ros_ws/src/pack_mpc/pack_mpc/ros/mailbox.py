@@ -12,7 +12,7 @@ from pack_interfaces.msg import SceneState as SceneMessage
 from pack_core.errors import MessageError
 from pack_core.joints import JointSample
 from pack_core.packing.scene import Scene
-from pack_core.ros.clock import StampCheck
+from pack_core.ros.clock import AHEAD, StampCheck
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.messages.conversions import from_stamp
 from pack_core.ros.messages.scene import from_scene
@@ -111,7 +111,7 @@ class Mailbox(NewestMessages):
         self.refresh()
         if self._joints is None:
             return f"no {contracts.JOINT_STATES.name} yet: is sim up?"
-        if (seen := self._scene) is None:
+        if (seen := self._scene) is None or self._joints.time < seen.time - AHEAD:
             return f"no {contracts.SCENE.name} yet: is perception up?"
         held = scene.new_object.name
         return "" if held in seen.objects else f"the cameras have not seen {held} yet"
@@ -139,6 +139,8 @@ class Mailbox(NewestMessages):
         age = joints.time - scene.time
         if age > SCENE_AGE:
             raise MessageError(f"the newest scene is {age:.3f} s old; allowed: {SCENE_AGE} s")
+        if age < -AHEAD:
+            raise MessageError("the newest scene is from before time began anew")
         unseen = blind_for(scene, joints.time)
         if unseen > blind_time:
             raise MessageError(

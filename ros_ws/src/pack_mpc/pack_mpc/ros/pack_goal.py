@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import dataclass
+from functools import partial
 
 from pack_interfaces.action import PackObject
 from pack_interfaces.srv import PlanPlacement
-from rclpy.task import Future
 
-from pack_core.errors import MessageError
+from pack_core.errors import MessageError, PackError
 from pack_core.joints import Setpoints
 from pack_core.packing.goals import PackingExitReason, PackingMethod
 from pack_core.packing.scene import Scene
+from pack_core.ros.awaited_answer import PATIENCE, AwaitedAnswer
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.messages.conversions import from_pose, to_point, to_pose
 from pack_core.ros.messages.packing import from_way
@@ -41,8 +43,8 @@ class PlacementClient:
 
     def __init__(self, node: CellNode) -> None:
         contract = contracts.PLAN_PLACEMENT
-        self._client = node.create_client(contract.type, contract.name)
-        self._pending: Future | None = None
+        self._client, self._log = node.create_client(contract.type, contract.name), node.get_logger()
+        self._pending: AwaitedAnswer | None = None
         self.start(0)
 
     def start(self, seed: int, variant: str = "", near: Pose | None = None) -> None:
@@ -59,16 +61,22 @@ class PlacementClient:
     @property
     def is_pending(self) -> bool:
         """Whether the planner has been asked and has not answered yet."""
-        return self._pending is not None and not self._pending.done()
+        return self._pending is not None and not self._pending.future.done()
 
     def serve(self, session: PackingSession, seen: PackingObservation) -> None:
         """Hand over the answer if there is one, or send a request if a placement is needed."""
-        if self._pending is not None:
-            if self._pending.done():
-                response, self._pending = self._pending.result(), None
-                self._hand_over(session, seen, response)
-        elif session.needs_placement(seen.scene) and self._client.service_is_ready():
-            self._pending = self._client.call_async(self._request(session, seen))
+        pending = self._pending
+        if pending is not None:
+            pending.check(time.monotonic())
+            if pending.future.done():
+                self._pending = None
+                self._take(session, seen, pending)
+        elif session.needs_placement(seen.scene):
+            if not self._client.service_is_ready():
+                self._log.warning(f"nobody serves {self._client.srv_name}", throttle_duration_sec=2.0)
+                return
+            send = partial(self._client.call_async, self._request(session, seen))
+            self._pending = AwaitedAnswer(send, self._client.srv_name, PATIENCE, time.monotonic(), None)
 
     def _request(self, session: PackingSession, seen: PackingObservation) -> PlanPlacement.Request:
         task = session.task
@@ -84,17 +92,25 @@ class PlacementClient:
         """The planner to ask for when this one is wanted."""
         return UNREHEARSED if self.is_sparing and variant in REHEARSED else variant
 
+    def _take(self, session: PackingSession, seen: PackingObservation, answer: AwaitedAnswer) -> None:
+        try:
+            response = answer.future.result()
+        except PackError as error:
+            session.task.refuse(seen.joints.time, str(error))
+        else:
+            self._hand_over(session, seen, response)
+
     def _hand_over(
         self, session: PackingSession, seen: PackingObservation, response: PlanPlacement.Response
     ) -> None:
-        task, time = session.task, seen.joints.time
+        task, now = session.task, seen.joints.time
         if response.status != PlanPlacement.Response.SUCCESS:
-            task.refuse(time, response.message)
+            task.refuse(now, response.message)
             return
         try:
             X_WN, way = from_pose(response.pose), from_way(response)
         except MessageError as error:
-            task.refuse(time, str(error))
+            task.refuse(now, str(error))
             return
         task.place(X_WN, tuple(response.collisions), way, seen.scene, response.is_rehearsed)
 

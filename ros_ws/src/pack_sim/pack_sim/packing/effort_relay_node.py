@@ -17,9 +17,12 @@ from pack_core.ros.messages.serialized_setpoints import TrajectoryReader, Trajec
 from pack_core.ros.node import CellNode
 from pack_core.ros.packing import read_packing_cell
 from pack_core.ros.run import run_node
+from pack_core.ros.sole_publisher import SolePublisher
 from pack_core.ros.stream import Stream, StreamReader
 from pack_sim.packing.effort_relay import EffortRelay
 
+SENDERS = "senders"
+"""Name of the fault that more than one node sends setpoints."""
 SENDER = "mpc"
 """The node whose setpoints are passed on; when it falls silent the arm is held."""
 READ_PERIOD = 0.05
@@ -62,7 +65,9 @@ class EffortRelayNode(CellNode):
             JointStateReader(arm.joints),
         )
         self._joints = Stream(self, replace(contracts.JOINT_STATES, qos=NEWEST), raw=True)
-        self._setpoints = Stream(self, contracts.SETPOINTS, raw=True)
+        self._setpoints = Stream(self, contracts.SETPOINTS, raw=True, on_match=lambda: self._senders.check())
+        self._senders = SolePublisher(self, self._setpoints.topic_name, self._on_senders)
+        self._senders.track(SENDER)
         self._reader = StreamReader(self, (self._joints, self._setpoints), self._read, READ_PERIOD)
         self.watch((SENDER,), self._on_sender)
 
@@ -100,6 +105,8 @@ class EffortRelayNode(CellNode):
             )
         if self._is_abandoned:
             raise MessageError(f"setpoints of '{SENDER}', which has fallen silent since; the arm holds")
+        if self._senders.trouble:
+            raise MessageError(f"{self._senders.trouble}; allowed: one sender")
         self._pass(self._relay.accept(self._setpoint_reader.read(data), self._sample.time))
 
     def _pass(self, setpoints: Setpoints | None) -> None:
@@ -108,6 +115,20 @@ class EffortRelayNode(CellNode):
 
     def _on_sender(self, _: str, is_alive: bool) -> None:
         self._is_abandoned = not is_alive
+
+    def _on_senders(self, trouble: str) -> None:
+        """Name those that send setpoints when they are more than one; the arm holds meanwhile."""
+        if not trouble:
+            self.health.faults.pop(SENDERS, None)
+            return
+        self.health.faults[SENDERS] = f"{trouble}; end all but one"
+        self.get_logger().error(self.health.faults[SENDERS])
+        self._relay.drop()
+
+    def on_peer_end(self, peer: str) -> None:
+        """Its publishers, which are still listed, count no more."""
+        self._senders.forget(peer)
+        super().on_peer_end(peer)
 
 
 def main() -> int:

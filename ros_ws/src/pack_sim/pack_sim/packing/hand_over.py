@@ -36,13 +36,20 @@ def presented_pose(X_WN: Pose, config: HandOverConfig, rng: np.random.Generator)
     return Pose(X_WN.p + shift, multiply(from_yaw(turn * np.deg2rad(config.yaw_deg)), X_WN.q))
 
 
-def present_fault(item: ObjectModel, scene: Scene, *, is_held: bool) -> str:
-    """Why an object cannot arrive in a scene, whose new object the pump may hold; empty if it can."""
+def present_fault(item: ObjectModel, scene: Scene, *, is_held: bool, keep: bool) -> str:
+    """Why an object cannot arrive in a scene; empty if it can.
+
+    Args:
+        item: the object.
+        scene: what there is.
+        is_held: whether the pump holds the scene's new object.
+        keep: whether that stays in the container.
+    """
     if item.pose is None:
         return f"'{item.name}' has no pose; allowed: where it is handed over"
     if is_held:
         return f"the pump holds '{scene.new_object.name}'; pack or release it first"
-    if item.name in scene.names:
+    if item.name in scene.names or (keep and item.name == scene.new_object.name):
         return f"'{item.name}' is in the container already; allowed: another name"
     return ""
 

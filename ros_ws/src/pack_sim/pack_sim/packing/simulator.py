@@ -157,7 +157,7 @@ class Simulator:
         if self.pump.state.is_closed and not self.pump.update(*physics.cup_load):
             self._rebuild(HeldRole.FREE)
         if self.cell.perception is Perception.MOCAP:
-            self.mocap.update(self.model, data, self.time)
+            self.mocap.update(self.model, self.data, self.time)  # of the model that is there now
 
     def joints(self) -> JointSample:
         """Measured positions, velocities and torques of the joints."""
@@ -197,9 +197,9 @@ class Simulator:
         Returns:
             Why it cannot be presented; empty if it is there.
         """
-        if fault := present_fault(item, self.scene, is_held=self.pump.state.is_closed):
-            return fault
         keep = is_packed(self.scene, self.truth().objects[self.scene.new_object.name].X_WO)
+        if fault := present_fault(item, self.scene, is_held=self.pump.state.is_closed, keep=keep):
+            return fault
         true = actual_object(item, self.description, self.config.mismatch, self._truth_rng)
         self.scene = self.scene.with_next(true, keep=keep)
         told = believed_object(item, self.config.mismatch, self._belief_rng)

@@ -40,7 +40,7 @@ MOTION_OBSTACLES = Contract(
     "where moving obstacles were at the stamp; from the sim of a cell that a sensor watches", qos=LATEST,
     rate="as seen", recorded=True)
 SEPARATION = Contract(
-    "/motion/separation", Separation, ("motion",), ("recorder", "user"),
+    topics.MOTION_SEPARATION, Separation, ("motion",), ("recorder", "user"),
     "by how much the arm is farther from people than it must be", qos=STREAM,
     rate=f"{hz(topics.JOINT_RATE)}, while somebody is seen", recorded=True)
 SETPOINTS = Contract(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from pack_interfaces.msg import ObjectState as ObjectStateMsg
 from pack_interfaces.msg import SceneState as SceneStateMsg
 
@@ -37,11 +39,17 @@ def from_scene(message: SceneStateMsg) -> SceneState:
         item.name: ObjectState(
             from_pose(item.pose), from_vector(item.twist.linear, f"velocity of {item.name}"),
             from_vector(item.twist.angular, f"angular velocity of {item.name}"),
-            _source_of(item), item.age,
+            _source_of(item), _age_of(item),
         )
         for item in message.objects
     }  # fmt: skip
     return SceneState(from_stamp(message.header.stamp), objects)
+
+
+def _age_of(item: ObjectStateMsg) -> float:
+    if not 0.0 <= item.age < math.inf:
+        raise MessageError(f"age of {item.name} is {item.age}; allowed: from 0 on [s]")
+    return float(item.age)
 
 
 def _source_of(item: ObjectStateMsg) -> Source:
