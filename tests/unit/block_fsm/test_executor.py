@@ -141,6 +141,16 @@ def test_a_block_that_was_knocked_aside_is_noticed_and_planned_for_anew() -> Non
     assert sum(isinstance(request, PlanFor) for request in table.asked) == 3
 
 
+def test_a_cell_that_is_reset_meanwhile_ends_the_task_with_the_blocks_that_are_gone() -> None:
+    def reset(table: Table) -> None:
+        if "a" in table.poses and table.poses["a"].distance_to(GOALS["a"]) < 1e-6:
+            table.poses = {"z": table.poses["b"]}
+
+    outcome = Table(scattered(), after=reset).run(GOALS)
+    assert outcome.exit_reason is ExitReason.NOT_SEEN
+    assert outcome.message == "no longer in the cell: a, b; was it reset?"
+
+
 def test_a_grasp_that_holds_nothing_is_tried_again() -> None:
     table = Table(scattered(), holds=lambda number: number != 1)
     outcome = table.run(GOALS)

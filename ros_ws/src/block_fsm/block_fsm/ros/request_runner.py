@@ -113,8 +113,11 @@ class RequestRunner:
 
         It is asked for again where the camera was busy.
         """
-        exposure, longest = self.time + self._config.exposure_delay, self._config.picture
-        yield from wait(lambda: self.time >= exposure, float("inf"), self._clock)
+        begun, longest = self.time, self._config.picture
+        exposure = begun + self._config.exposure_delay
+        yield from wait(lambda: not begun <= self.time < exposure, float("inf"), self._clock)
+        if self.time < begun:
+            return NoPicture("time has begun anew")
         trigger, trouble = None, "the camera does not answer"
         while (sighting := self.sighting) is None or sighting.time < exposure:
             if self.time > exposure + longest:

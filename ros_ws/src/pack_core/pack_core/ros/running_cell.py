@@ -65,6 +65,7 @@ class RunningCell:
         node.create_subscription(NodeStatus, shared.NODE_STATUS.name, self._on_node, LISTENING)
         node.listen(shared.SIMULATION_STATE, self._on_simulation)
         node.listen(shared.ARM_STATE, self._on_arm)
+        node.watch((self.server,), self._on_server)
 
     @property
     def condition(self) -> CellCondition:
@@ -182,6 +183,11 @@ class RunningCell:
         if self._condition.is_busy:
             for key in [key for key in self._told if self._senders[key].is_accepted]:
                 self._tell(key)
+
+    def _on_server(self, server: str, is_alive: bool) -> None:
+        """A node that is silent pursues no goal that anybody could end."""
+        if not is_alive:
+            self._note(is_busy=False, waits_for=f"node '{server}' is silent")
 
     def _on_simulation(self, state: SimulationState) -> None:
         self._note(is_up=True, is_paused=state.state == SimulationState.STATE_PAUSED)

@@ -81,6 +81,7 @@ class CameraPublisher:
     def open(self, tags: Mapping[str, int], sizes: BlockSizes) -> None:
         """Look at a table with these blocks; the number of each one's tag, and its size, by its id."""
         self.close()
+        self._report("")
         camera = OverheadCamera(self._cell, tags, self._timestep, shadows=self._shadows, sizes=sizes)
         self._thread = CameraThread(camera, self._publish, self._report)
 
@@ -101,5 +102,10 @@ class CameraPublisher:
         self._image.publish(to_image(time, picture, FRAME))
 
     def _report(self, error: str) -> None:
-        self._error = self._node.health.faults["camera"] = error
-        self._node.get_logger().error(error)
+        """Tell why there are no pictures; empty: there are."""
+        self._error = error
+        if error:
+            self._node.health.faults["camera"] = error
+            self._node.get_logger().error(error)
+        else:
+            self._node.health.faults.pop("camera", None)

@@ -92,6 +92,7 @@ class DepthPublisher:
     def open(self, seed: int, time: float) -> None:
         """Begin anew with other errors, those of a seed, at `time` [s]."""
         self.close()
+        self._node.health.faults.pop("depth cameras", None)
         self._system = DepthCameraSystem(self._described, np.random.default_rng([seed, 2]))
         for info, camera, frame in zip(self._infos, self._cameras, DEPTH_CAMERAS, strict=True):
             info.publish(to_camera_info(time, camera, frame))
