@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -25,7 +26,7 @@ from pack_mpc.cost.weights import load_weights
 from pack_mpc.filling.fill_config import FillSessionConfig
 from pack_mpc.held_watch import arm_chain
 from pack_mpc.optimizers import OPTIMIZERS
-from pack_mpc.ros.fill_goal import FillAction, FillGoal
+from pack_mpc.ros.fill_goal import FillAction, FillGoal, to_fill_result
 from pack_mpc.ros.mailbox import Mailbox
 from pack_mpc.ros.pack_goal import PackGoal, PlacementClient, method_of, refusal_of
 from pack_mpc.ros.status import to_outcome, to_result, to_status
@@ -98,24 +99,25 @@ class MpcNode(GoalNode):
         self._mailbox.clear_forces()
         if isinstance(request, FillContainer.Goal):
             fill = self._fills.begin(request, self._config, self._described, self._mailbox.time)
-            try:
-                await self._reach_end(fill)
-            finally:
-                result = self._fills.report(fill, self._mailbox.time)
-            return result
+            await self._reach_end(fill, lambda: self._fills.publish_result(fill))
+            return to_fill_result(fill, self._mailbox.time)
         method, now = method_of(request), self._mailbox.time
         session = PackingSession(self._described(), self._cell, self._config, method, now, request.timeout)
         self._placements.start(request.seed)
-        try:
-            await self._reach_end(PackGoal(session, self._placements))
-        finally:
-            self._result.publish(to_outcome(session))
+        goal = PackGoal(session, self._placements)
+        await self._reach_end(goal, lambda: self._result.publish(to_outcome(session)))
         return to_result(session)
 
-    async def _reach_end(self, goal: PackGoal | FillGoal) -> None:
+    async def _reach_end(self, goal: PackGoal | FillGoal, publish: Callable[[], None]) -> None:
+        """Have a goal pursued, and its end published, also where that is a failure."""
         self._pursued = goal
         self._worker.wake()
-        await self.until_goal_ends()
+        try:
+            await self.until_goal_ends()
+        except PackError:  # not in `finally`, which runs, too, when the node is gone before its goal
+            publish()
+            raise
+        publish()
 
     def _described(self) -> Scene:
         assert self._scene is not None

@@ -170,7 +170,7 @@ class FillGoal:
 
 
 def to_fill_result(goal: FillGoal, time: float) -> FillContainer.Result:
-    """The result of a job that has ended."""
+    """The result of a job that has ended at `time` [s]."""
     report, fill = goal.job.report, _fill(goal)
     given, packed = goal.given, len(report.packed)
     return FillContainer.Result(
@@ -265,7 +265,6 @@ class FillAction:
             self._published = now
             self._progress.publish(String(data=to_fill_progress(goal, time)))
 
-    def report(self, goal: FillGoal, time: float) -> FillContainer.Result:
-        """Publish what became of a job that ended at `time` [s], and return the action's result."""
+    def publish_result(self, goal: FillGoal) -> None:
+        """Publish what became of a job that has ended."""
         self._result.publish(String(data=to_fill_report(goal)))
-        return to_fill_result(goal, time)
