@@ -14,7 +14,7 @@ from pack_core.joints import JointSample
 from pack_core.packing.scene import Scene
 from pack_core.ros.clock import AHEAD, StampCheck
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.messages.conversions import from_stamp
+from pack_core.ros.messages.conversions import from_stamp, stamp_in
 from pack_core.ros.messages.scene import from_scene
 from pack_core.ros.messages.serialized import JointStateReader, WrenchReader
 from pack_core.ros.newest_messages import Kept, NewestMessages
@@ -34,6 +34,8 @@ planning several times as often, which the arm would not move better for."""
 REPORT_PERIOD = 2.0
 """Time between two checks of what has come while nobody asks, so that bad messages are reported [s of wall
 clock]."""
+SOON = 0.1
+"""A wrench that is stamped later than the joints by more belongs to another clock, and counts at once [s]."""
 NEWEST = 1
 """Messages that may wait of what only the newest is planned from."""
 WRENCHES = 500
@@ -56,8 +58,8 @@ class Mailbox(NewestMessages):
         self._joint_reader, self._wrench_reader = JointStateReader(joints), WrenchReader()
         self._joint_stamps, self._scene_stamps = StampCheck(node), StampCheck(node)
         self._observed: JointSample | None = None
-        # bounded, as nobody fetches them while no goal is pursued
-        self._forces: deque[Array] = deque(maxlen=WRENCHES)
+        # by their stamps [s]; bounded, as nobody fetches them while no goal is pursued
+        self._forces: deque[tuple[float, Array]] = deque(maxlen=WRENCHES)
         super().__init__(
             node,
             (
@@ -146,10 +148,22 @@ class Mailbox(NewestMessages):
             raise MessageError(
                 f"the cameras have seen nothing for {unseen:.1f} s; allowed: {blind_time} s. The arm holds"
             )
-        with self._lock:
-            forces = np.array(self._forces).reshape(-1, 3)
-            self._forces.clear()
+        # Wrenches are looked at before joints: those of just before these joints have come meanwhile.
+        self.refresh()
+        forces = self._forces_until(joints.time)
         return PackingObservation(joints, scene, forces, self._is_held, self._zeroed_by(joints.time))
+
+    def _forces_until(self, time: float) -> Array:
+        """The forces `(n, 3)` [N] since the last call; those measured shortly after `time` [s] wait.
+
+        What is held is judged by what it accelerates with between two joint states, and the forces meanwhile.
+        """
+        with self._lock:
+            noted = list(self._forces)
+            self._forces.clear()
+            self._forces.extend(one for one in noted if time < one[0] <= time + SOON)
+        forces = [force for stamp, force in noted if not time < stamp <= time + SOON]
+        return np.array(forces).reshape(-1, 3)
 
     @property
     def _is_due(self) -> bool:
@@ -191,5 +205,5 @@ class Mailbox(NewestMessages):
 
     def _to_force(self, data: bytes) -> Array:
         force = self._wrench_reader.read(data)
-        self._forces.append(force)
+        self._forces.append((stamp_in(data), force))
         return force
