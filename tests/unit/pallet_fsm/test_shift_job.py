@@ -89,9 +89,13 @@ def test_the_last_box_is_taken_away_if_it_is_rejected() -> None:
     assert shift.cell.boxes == {}
 
 
-def test_a_box_that_stands_upright_is_left_to_a_person_and_the_one_before_it_gets_to_its_place() -> None:
+def test_a_box_that_stands_upright_is_left_to_a_person_and_the_one_before_it_gets_to_its_place(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(fake_shift, "ON_THE_WAY", 0.1)  # it is measured while the other one is carried
     shift = run_shift([Came("tea"), Came("tea", (0.3, 0.2, 0.4))], [TEA])
     assert shift.job.reason == "take box b2 off the conveyor: it does not lie on its largest face"
+    assert shift.of(EventKind.CAME)[1].time < shift.of(EventKind.PUT_DOWN)[0].time
     assert [event.box for event in shift.of(EventKind.PUT_DOWN)] == ["b1"]
     assert not shift.cell.has_stopped
 

@@ -16,6 +16,7 @@ from pydantic import Field, PositiveFloat, PositiveInt
 
 from pack_core.config import Config
 from pack_core.errors import PackError
+from pack_core.extras import install_command
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.model import HELD_POSITION, ArmRole
 from pack_core.packing.scene import Scene
@@ -112,8 +113,7 @@ def require_judo() -> Any:
     except ImportError as error:
         raise PackError(
             "the optimizer judo needs the package judo-rai, which is not installed: "
-            ".venv/bin/uv pip install --python .venv/bin/python --no-deps -r requirements/judo.txt, or "
-            "choose another optimizer"
+            f"{install_command('judo', '--no-deps')}, or choose another optimizer"
         ) from error
 
 

@@ -10,6 +10,7 @@ from importlib.util import find_spec
 
 from pack_bringup.graph.executables import find_executable
 from pack_core.errors import ConfigError
+from pack_core.extras import install_command
 from pack_core.namespace import ROOT
 
 NODE = "live"
@@ -63,7 +64,7 @@ def announcement(host: str, port: int, token: str = "") -> str:
 
 FOXGLOVE = "foxglove"
 FOXGLOVE_ADDRESS = "ws://127.0.0.1:8765"
-INSTALL = ".venv/bin/uv pip install --python .venv/bin/python --require-hashes -r requirements/foxglove.txt"
+INSTALL = install_command("foxglove", "--require-hashes")
 
 
 def foxglove_command(cell: str, namespace: str = ROOT) -> dict[str, list[str]]:

@@ -205,7 +205,7 @@ class MpcNode(GoalNode):
         self._fail(reason)
 
     def give_up(self) -> None:
-        self._fail("the node that pursued it failed; its log says why")
+        self._fail(self._failure)
 
     def _fail(self, reason: str) -> None:
         if (goal := self._pursued) is not None:

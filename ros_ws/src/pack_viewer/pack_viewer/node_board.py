@@ -34,8 +34,8 @@ class NodeBoard:
 
     Args:
         log: is told of changes.
-        watched: nodes whose silence is a fault; others, such as the client of a goal, are forgotten when they
-            fall silent. None: nobody is, as in a recording, which may be held.
+        watched: nodes whose silence is a fault; others, such as the client of a goal, are not shown once they
+            are silent. None: silence means nothing, as in a recording, which may be held.
         clock: wall clock that never jumps [s].
     """
 
@@ -67,33 +67,29 @@ class NodeBoard:
     @property
     def silent(self) -> list[str]:
         """Watched nodes that have reported before and do so no longer."""
-        return [name for name in self._unheard() if name in (self._watched or ())]
+        return [name for name in self._nodes if name in (self._watched or ()) and not self._is_heard(name)]
 
-    def _unheard(self) -> list[str]:
-        """Nodes, of any kind, that have reported before and do so no longer."""
-        if self._watched is None:
-            return []
-        now = self._clock()
-        return [name for name, node in self._nodes.items() if now - node.heard_at > SILENT]
+    @property
+    def _shown(self) -> dict[str, NodeHealth]:
+        """All but those that are not watched and have gone."""
+        watched = self._nodes if self._watched is None else self._watched
+        return {name: node for name, node in self._nodes.items() if name in watched or self._is_heard(name)}
 
-    def _forget_the_gone(self) -> None:
-        for name in set(self._unheard()) - set(self.silent):
-            del self._nodes[name]
+    def _is_heard(self, name: str) -> bool:
+        return self._clock() - self._nodes[name].heard_at <= SILENT
 
     @property
     def has_fault(self) -> bool:
         """Whether a node reports an error or has fallen silent."""
-        self._forget_the_gone()
-        return bool(self.silent) or any(node.level > WARN for node in self._nodes.values())
+        return bool(self.silent) or any(node.level > WARN for node in self._shown.values())
 
     def html(self) -> str:
         """A line for each node that has something to say, and one for all that are well.
 
         A node counts what it refused for as long as it runs; it is well again once nothing was for a while.
         """
-        self._forget_the_gone()
         silent, rows, well = self.silent, [], []
-        for name, node in sorted(self._nodes.items()):
+        for name, node in sorted(self._shown.items()):
             if name in silent:
                 rows.append(("✕", RED, f"{name}: silent for {self._clock() - node.heard_at:.0f} s"))
             elif node.level == OK or (node.level == WARN and self._clock() - node.changed_at > WARNED):

@@ -32,6 +32,16 @@ def test_every_line_is_strict_json(tmp_path: Path) -> None:
     assert lines[1] == {"name": "a", "value": "-inf"}
 
 
+def test_who_only_reads_leaves_a_line_alone_that_is_being_written(tmp_path: Path) -> None:
+    path = tmp_path / "trials.jsonl"
+    TrialFile(path, "packing", {}).add({"name": "whole"})
+    with path.open("a") as file:
+        file.write('{"name": "half')
+    before = path.read_bytes()
+    assert list(read_trials(path).trials) == ["whole"]
+    assert path.read_bytes() == before
+
+
 def test_a_line_that_was_cut_off_is_taken_out_and_the_trial_runs_again(tmp_path: Path) -> None:
     path = tmp_path / "trials.jsonl"
     TrialFile(path, "packing", SETTINGS).add({"name": "whole"})

@@ -26,6 +26,12 @@ def test_a_result_of_the_same_sources_packages_and_command_is_valid() -> None:
     assert standing(RESULT, packcell="1.1.0") == (ResultState.VALID, "")
 
 
+def test_a_package_that_was_not_noted_then_is_not_taken_for_another_one() -> None:
+    assert standing(RESULT, ruckig="0.19") == (ResultState.VALID, "")
+    noted = replace(RESULT, packages={**PACKAGES, "ruckig": "0.18"})
+    assert standing(noted, ruckig="0.19") == (ResultState.STALE, "ruckig 0.18 was installed, now 0.19")
+
+
 @pytest.mark.parametrize(
     ("change", "reason"),
     [

@@ -15,6 +15,7 @@ from typing import Any
 from pack_bringup.opcua.alarms import Alarm
 from pack_bringup.opcua.view import NEVER, ValueType, Variable
 from pack_core.errors import ConfigError, PackError
+from pack_core.extras import install_command
 
 try:
     import asyncua
@@ -24,7 +25,7 @@ try:
 except ModuleNotFoundError:  # an extra, which `make setup` does not install
     asyncua = None
 
-INSTALL = ".venv/bin/uv pip install --python .venv/bin/python --require-hashes -r requirements/opcua.txt"
+INSTALL = install_command("opcua", "--require-hashes")
 LOOPBACK = ("127.0.0.1", "localhost")
 APPLICATION_URI = "urn:packcell:opcua"
 """Of the server; its certificate has it as subject alternative name."""

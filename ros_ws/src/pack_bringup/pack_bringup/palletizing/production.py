@@ -6,7 +6,7 @@ from typing import Any
 
 from pack_bringup.opcua.production import Production
 from pack_core.palletizing import topics
-from pack_core.palletizing.infeed import PALLETS
+from pack_core.palletizing.cell import PALLETS
 from pack_core.text.json_text import parse_json
 from pallet_fsm.states import State
 

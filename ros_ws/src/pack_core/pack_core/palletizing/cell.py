@@ -30,6 +30,8 @@ PICKING_TABLE, REORIENTATION_TABLE, PALLET = "picking_table", "reorientation_tab
 """Names of the places: table A, table B and the pallet."""
 SECOND_PALLET, REJECT_TABLE, QUEUE_BELT = "second_pallet", "reject_table", "queue_belt"
 """Names of the places that only a shift has."""
+PALLETS = (PALLET, SECOND_PALLET)
+"""Names of the places where pallets may stand."""
 
 
 class ArmMount(Config):

@@ -4,11 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pack_core.palletizing.cell import PALLET, SECOND_PALLET
-
-PALLETS = (PALLET, SECOND_PALLET)
-"""Names of the places where pallets may stand."""
-
 
 @dataclass(frozen=True)
 class InfeedState:

@@ -72,11 +72,9 @@ ObjectName = Annotated[
 ]  # fmt: skip
 """Of an object in a scene: it becomes a part of names in models, topics and files."""
 BlockName = Annotated[str, Field(pattern=r"^[A-Za-z0-9_]+$", max_length=MOST_CHARACTERS_OF_NAME)]
+ARTICLE_NAMES = "letters, digits, spaces and . : + # / ( ) @ , = - _"
 ArticleName = Annotated[
     str,
-    Field(
-        pattern=r"^\w[\w .:+#/()@,=-]*$", max_length=MOST_CHARACTERS_OF_NAME,
-        description="letters, digits, spaces and . : + # / ( ) @ , = - _",
-    ),
-]  # fmt: skip
+    Field(pattern=r"^\w[\w .:+#/()@,=-]*$", max_length=MOST_CHARACTERS_OF_NAME, description=ARTICLE_NAMES),
+]
 """Of an order or a box, as a warehouse names it; without the signs that markup of any kind is made of."""

@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from pack_core.palletizing.cell import palletizing_cell
-from pack_core.palletizing.infeed import PALLETS
+from pack_core.palletizing.cell import PALLETS, palletizing_cell
 from pack_core.palletizing.orders.item_list import Item, order_box
 from pack_core.palletizing.orders.order import Order, OrderPallet
 from pack_core.palletizing.orders.placed_box import PlacedBox

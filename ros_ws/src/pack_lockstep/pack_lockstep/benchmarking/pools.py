@@ -13,6 +13,7 @@ from threading import Thread
 from typing import Any, Protocol, TypeVar
 
 from pack_core.errors import PackError
+from pack_core.extras import install_command
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
@@ -175,8 +176,8 @@ def ray_pool(address: str, threads: int, variables: Mapping[str, str]) -> Iterat
         import ray
     except ImportError as error:
         raise PackError(
-            "--ray needs Ray, which is not installed: .venv/bin/uv pip install --python .venv/bin/python "
-            "--require-hashes -r requirements/cluster.txt on every machine (docs/develop/benchmarks.md)"
+            "--ray needs Ray, which is not installed; on every machine: "
+            f"{install_command('cluster', '--require-hashes')} (docs/develop/benchmarks.md)"
         ) from error
     try:
         ray.init(address, runtime_env={"env_vars": dict(variables)}, log_to_driver=False)

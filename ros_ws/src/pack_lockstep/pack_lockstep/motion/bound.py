@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pack_core.errors import ConfigError
+from pack_core.extras import install_command
 from pack_core.motion.moves import Line
 from pack_core.rotations import Array
 from pack_motion.arm.arm import MotionArm
@@ -87,8 +88,7 @@ def require_toppra() -> Any:
         import toppra
     except ImportError as error:
         raise ConfigError(
-            "the bound of durations needs toppra: .venv/bin/uv pip install --python .venv/bin/python "
-            "--no-deps -r requirements/motion.txt"
+            f"the bound of durations needs toppra: {install_command('motion', '--no-deps')}"
         ) from error
     toppra.setup_logging("ERROR")
     return toppra

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from pack_core.errors import ConfigError
+from pack_core.extras import install_command
 from pack_core.rotations import Array
 from pack_motion.arm.arm import MotionArm
 from pack_motion.clearance.detour import RESOLUTION, STEP
@@ -82,8 +83,7 @@ def require_ompl() -> tuple[Any, Any]:
         from ompl import base, geometric, util
     except ImportError as error:
         raise ConfigError(
-            "the planner 'ompl' needs OMPL: .venv/bin/uv pip install --python .venv/bin/python --no-deps "
-            "-r requirements/motion.txt"
+            f"the planner 'ompl' needs OMPL: {install_command('motion', '--no-deps')}"
         ) from error
     if not _seeded:
         util.setLogLevel(util.LogLevel.LOG_ERROR)

@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 from viser import GlbHandle, SceneApi
 
-from pack_core.palletizing.infeed import PALLETS
+from pack_core.palletizing.cell import PALLETS
 from pack_viewer.fragments import BLUE, RED, boxed, chips
 from pack_viewer.geom_meshes import box_glb
 from pack_viewer.model_scene import scene_name

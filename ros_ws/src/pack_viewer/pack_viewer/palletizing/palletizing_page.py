@@ -12,6 +12,7 @@ from viser import ViserServer
 
 from pack_core.motion import topics as motion
 from pack_core.palletizing import topics
+from pack_core.palletizing.cell import PALLET
 from pack_core.text.json_text import parse_json
 from pack_viewer.cell_page import IDLE, CellPage, Headline, preset_from_angles
 from pack_viewer.event_log import EventLog
@@ -111,7 +112,8 @@ class PalletizingPage(CellPage):
             plot.clear()
 
     def _take_state(self, state: Any) -> None:
-        self._progress.enter(state.state, state.box, state.place, state.reason, seconds(state))
+        place = getattr(state, "place", PALLET)  # recordings of 0.1.0 have none
+        self._progress.enter(state.state, state.box, place, state.reason, seconds(state))
         is_fault = self._progress.is_fault
         text = f"{state.state}, box {state.box}" + (f": {state.reason}" if state.reason else "")
         self.log.add(text, "error" if is_fault else "info", seconds(state))

@@ -48,7 +48,7 @@ from pack_core.ros.messages.conversions import (
 )
 from pack_core.ros.messages.point_cloud import POINT_FIELDS, POINT_STEP, to_point_cloud
 from pack_core.rotations import Pose
-from pack_core.text.limits import MOST_CHARACTERS_OF_NAME, ArticleName
+from pack_core.text.limits import ARTICLE_NAMES, MOST_CHARACTERS_OF_NAME, ArticleName
 from pack_core.text.shown import shown_value
 
 NEAREST_POINT = 0.1
@@ -226,6 +226,7 @@ def to_infeed(state: InfeedState) -> InfeedStateMsg:
 
 
 _NAMES = TypeAdapter(ArticleName)
+"""Checks names by which boxes are tracked."""
 
 
 def from_infeed(message: InfeedStateMsg) -> InfeedState:
@@ -234,9 +235,7 @@ def from_infeed(message: InfeedStateMsg) -> InfeedState:
         try:
             _NAMES.validate_python(message.box)
         except ValidationError as error:
-            allowed = (
-                f"up to {MOST_CHARACTERS_OF_NAME} of letters, digits, spaces and . : + # / ( ) @ , = - _"
-            )
+            allowed = f"up to {MOST_CHARACTERS_OF_NAME} of {ARTICLE_NAMES}"
             raise MessageError(f"box is {shown_value(message.box)}; allowed: {allowed}") from error
     return InfeedState(from_stamp(message.header.stamp), message.number, message.box, message.label)
 
