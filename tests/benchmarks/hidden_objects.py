@@ -53,9 +53,8 @@ def line(preset: str, seed: int) -> str:
         if (best := largest_overlap(outline, known.values())) < FOUND
     ]
     beside = [name for name, outline in known.items() if largest_overlap(outline, true.values()) < FOUND]
-    return (
-        f"{seed}: {len(true)} objects, {len(known)} seen; {'; '.join(missed)}; of none: {', '.join(beside)}"
-    )
+    counts = f"{seed}: {len(true)} objects, {len(known)} seen"
+    return f"{counts}; {'; '.join(missed) or 'none missed'}; of none: {', '.join(beside) or 'nothing'}"
 
 
 def largest_overlap(outline: shapely.Polygon, others: Iterable[shapely.Polygon]) -> float:
