@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+from types import SimpleNamespace
 
 import pytest
 
@@ -130,6 +131,13 @@ def test_nodes_of_this_machine_are_found_while_they_live() -> None:
     watched.close()
     connection.close()
     assert "found" not in nodes_on_this_machine().get(DOMAIN, set())
+
+
+def test_a_node_that_one_reading_of_the_list_leaves_out_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    listed = [f"0000: 00000002 00000000 00010000 0001 01 1 @packcell/7/{name}" for name in ("mpc", "sim")]
+    readings = iter(["", listed[0], listed[1]])
+    monkeypatch.setattr(local_nodes, "SOCKETS", SimpleNamespace(read_text=lambda: next(readings)))
+    assert nodes_on_this_machine() == {7: {"mpc", "sim"}}
 
 
 def test_watchers_that_came_and_went_leave_room_for_the_next() -> None:

@@ -15,6 +15,8 @@ CREDENTIALS = struct.Struct("3i")
 """What Linux tells of the process at the other end (SO_PEERCRED, unix(7)): its id, user and group."""
 NUMBER = struct.Struct("H")
 """What a node sends to a watcher, once: the number of its mutex, and with it the memory that it is in."""
+READINGS = 3
+"""Of the list, one after the other: a single one leaves out a socket now and then."""
 ROOT = 0
 """User id of root, who may do anyhow what every user may."""
 
@@ -22,7 +24,9 @@ ROOT = 0
 def nodes_on_this_machine() -> dict[int, set[str]]:
     """Names of the nodes that run on this machine, by ROS domain; nodes of other machines are not seen."""
     found: dict[int, set[str]] = {}
-    for line in SOCKETS.read_text().splitlines():
+    # Linux hands the list out page by page and finds its place again by counting: while sockets of others are
+    # closed, one reading in some thousands skips a socket that was there all the time.
+    for line in [line for _ in range(READINGS) for line in SOCKETS.read_text().splitlines()]:
         folder, _, rest = line.rpartition(" ")[2].partition("/")
         domain, _, name = rest.partition("/")
         if folder == "@packcell" and domain.isdecimal() and name:
