@@ -1,6 +1,6 @@
 """Draws docs/images/packing_depth.png: `python tools/depth_pictures.py`. It takes some seconds.
 
-Each row is a scene for tuning: as the two depth cameras see it, as a look models it, and as it is.
+Each row is a scene for tuning: as the three depth cameras see it, as a look models it, and as it is.
 """
 
 from __future__ import annotations
@@ -28,7 +28,13 @@ from pack_sim.packing.scene_generator import generate_scene
 OUTPUT = project_root() / "docs/images/packing_depth.png"
 SCENES = (("unknown", 28), ("unknown_household", 103), ("unknown_household", 26))
 """Preset and seed of each row: two objects of one height, shapes of all kinds, and a look that is wrong."""
-TITLES = ("as one camera sees it", "as the other does", "as modelled, ± 2 deviations", "as it is")
+TITLES = (
+    "as one camera sees it",
+    "as the second does",
+    "as the third does",
+    "as modelled, ± 2 deviations",
+    "as it is",
+)
 NEAR, FAR = 0.45, 0.85
 """Depths at the ends of the colours [m]."""
 
@@ -37,7 +43,7 @@ Placed = Sequence[tuple[ObjectModel, Pose]]
 
 def main() -> None:
     """Draw a row for each scene."""
-    figure = Figure(figsize=(11.0, 2.5 * len(SCENES)), layout="constrained")
+    figure = Figure(figsize=(13.5, 2.5 * len(SCENES)), layout="constrained")
     rows = figure.subplots(len(SCENES), len(TITLES))
     for row, (preset, seed) in zip(rows, SCENES, strict=True):
         draw_scene(row, preset, seed)
@@ -47,7 +53,7 @@ def main() -> None:
 
 
 def draw_scene(row: Sequence[Axes], preset: str, seed: int) -> None:
-    """Draw both images, what a look makes of them, and what is there."""
+    """Draw the images, what a look makes of them, and what is there."""
     given = load_preset(preset)
     cell = given.packing_cell()
     lockstep = LockstepCell(cell, generate_scene(seed, cell), lockstep_config(given), seed, lambda *_: None)
@@ -59,11 +65,11 @@ def draw_scene(row: Sequence[Axes], preset: str, seed: int) -> None:
     seen, truth = lockstep.seen(), lockstep.simulator.truth().poses()
     modelled = [(item, seen.poses[item.name]) for item in seen.scene.objects]
     true = [(item, truth[item.name]) for item in lockstep.simulator.scene.objects]
-    for axes, placed in zip(row[2:], (modelled, true), strict=True):
+    for axes, placed in zip(row[3:], (modelled, true), strict=True):
         draw_from_above(axes, placed, cell.scene.container)
     assert isinstance(lockstep.estimator, DepthEstimator)
     for item, X_WO in modelled:
-        draw_deviations(row[2], X_WO, lockstep.estimator.deviations[item.name])
+        draw_deviations(row[3], X_WO, lockstep.estimator.deviations[item.name])
 
 
 def images(lockstep: LockstepCell, seed: int) -> Array:

@@ -68,12 +68,13 @@ def _words_for(contract: Contract, module: ModuleType) -> list[str]:
     return [
         name
         for name, value in vars(module).items()
-        if value is contract
-        or (
-            isinstance(value, dict)
-            and any(contract in row for row in value.values() if isinstance(row, tuple))
-        )
+        if value is contract or any(contract in row for row in _rows_of(value))
     ]
+
+
+def _rows_of(value: object) -> list[tuple[object, ...]]:
+    """The tuples that a name stands for: one, or those of a table."""
+    return [row for row in (value.values() if isinstance(value, dict) else [value]) if isinstance(row, tuple)]
 
 
 def _is_named(constant: str, package: str) -> bool:

@@ -3,7 +3,7 @@
     PYTHONPATH=tests:$PYTHONPATH python -m benchmarks.hidden_objects --seeds 1001 1010 1011
 
 A line for each scene: every object of which nothing that was seen covers half, with the largest overlap of
-outlines, and with the share of its pixels that other objects and the arm leave visible, in both cameras
+outlines, and with the share of its pixels that other objects and the arm leave visible, in all cameras
 together. At last what was seen and covers half of no object.
 """
 
@@ -64,7 +64,7 @@ def largest_overlap(outline: shapely.Polygon, others: Iterable[shapely.Polygon])
 
 
 def visible_share(simulator: Simulator, name: str) -> float:
-    """Share of an object's pixels, in both cameras, that nothing else hides."""
+    """Share of an object's pixels, in all cameras, that nothing else hides."""
     model, alone = simulator.model, mujoco.MjData(simulator.model)
     alone.qpos[:] = simulator.data.qpos
     free = {model.joint(number).name for number in range(model.njnt)}
@@ -75,7 +75,7 @@ def visible_share(simulator: Simulator, name: str) -> float:
 
 
 def pixels(simulator: Simulator, data: mujoco.MjData) -> Counter[str]:
-    """Number of pixels of both cameras that meet each body."""
+    """Number of pixels of all cameras that meet each body."""
     found = Counter[str]()
     for camera in simulator.cell.depth.cameras():
         geoms = CameraRays(camera).cast(simulator.model, data).geoms

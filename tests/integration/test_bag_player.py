@@ -112,8 +112,8 @@ def test_a_message_type_that_has_changed_since_is_refused(playback: Playback) ->
 def test_a_node_hears_what_the_wiring_table_says() -> None:
     assert set(heard_by("perception", wiring_of("packing"))) == {
         contracts.DESCRIPTION.name, contracts.SIM_DESCRIPTION.name, contracts.JOINT_STATES.name,
-        contracts.MARKERS.name, contracts.GRIPPER_STATE.name, contracts.DEPTH_IMAGE_1.name,
-        contracts.DEPTH_IMAGE_2.name, contracts.DEPTH_INFO_1.name, contracts.DEPTH_INFO_2.name,
+        contracts.MARKERS.name, contracts.GRIPPER_STATE.name,
+        *(contract.name for contract in (*contracts.DEPTH_IMAGES, *contracts.DEPTH_INFOS)),
     }  # fmt: skip
     with pytest.raises(ConfigError, match=r"node 'vision'; allowed: .*perception"):
         heard_by("vision", wiring_of("packing"))

@@ -121,7 +121,9 @@ def test_too_few_postures_are_refused(seen: Seen) -> None:
 
 
 def test_a_covered_lens_is_refused(seen: Seen) -> None:
-    dark = [replace(view, images=view.images * np.array([1.0, 0.0])[:, None, None]) for view in seen.views]
+    dark = [
+        replace(view, images=view.images * np.array([1.0, 0.0, 1.0])[:, None, None]) for view in seen.views
+    ]
     with pytest.raises(CameraCalibrationFailed, match=r"^[^:]*\. depth_2: it sees the pump at 0 postures"):
         find_cameras(CELL, CELL.depth.cameras(), dark, CONFIG)
 
@@ -160,5 +162,5 @@ def test_its_file_is_for_the_preset_and_the_cameras_that_it_was_made_of(
         read.applied(CELL.depth.model_copy(update={"mounts": mounts}))
     text = yaml.safe_load(path.read_text())
     path.write_text(yaml.safe_dump(text | {"cameras": text["cameras"][:1]}))
-    with pytest.raises(ConfigError, match="`cameras` has 1, `described` 2"):
+    with pytest.raises(ConfigError, match="`cameras` has 1, `described` 3"):
         load_depth_calibration(path)

@@ -26,15 +26,15 @@ def test_what_nobody_described_is_seen_packed_beside_recorded_and_replayed(
     graph: Graph, tmp_path: Path
 ) -> None:
     recorder = graph.start(RecorderNode, path=str(tmp_path), cell="packing", record="always")
-    graph.probe.listen(contracts.DESCRIPTION, contracts.SIM_DESCRIPTION, contracts.DEPTH_POINTS_2)
+    graph.probe.listen(contracts.DESCRIPTION, contracts.SIM_DESCRIPTION, contracts.DEPTH_POINTS_3)
     cell = Cell(graph, FACTOR, preset="unknown")
     graph.wait_until(lambda: graph.probe.last(contracts.DESCRIPTION))
     seen = Scene.from_yaml(graph.probe.last(contracts.DESCRIPTION).data)
     told = Scene.from_yaml(graph.probe.last(contracts.SIM_DESCRIPTION).data)
     assert seen.names == ["seen_1", "seen_2"]
     assert seen.new_object.half_extents == pytest.approx(told.new_object.half_extents, abs=0.0005)
-    graph.wait_until(lambda: graph.probe.last(contracts.DEPTH_POINTS_2))
-    assert graph.probe.last(contracts.DEPTH_POINTS_2).header.frame_id == "depth_2"
+    graph.wait_until(lambda: graph.probe.last(contracts.DEPTH_POINTS_3))
+    assert graph.probe.last(contracts.DEPTH_POINTS_3).header.frame_id == "depth_3"
     result = graph.result_of(cell.pack(), timeout=120.0)
     assert result.success, result.message
     estimate = from_scene(graph.probe.last(contracts.SCENE))

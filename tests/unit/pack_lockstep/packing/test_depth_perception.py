@@ -134,13 +134,22 @@ def test_what_comes_into_sight_while_others_are_pushed_is_one_more_object() -> N
     assert new == pytest.approx(truth.objects["sugar_box"].X_WO.p, abs=0.003)
 
 
+def test_a_cell_may_have_two_cameras() -> None:
+    two = {"mounts": [mount.model_dump() for mount in CELL.depth.mounts[:2]]}
+    given = load_preset("unknown").over("cell", {"depth": two})
+    cell = LockstepCell(given.packing_cell(), scene(), lockstep_config(given), 0, lambda *_: None)
+    cell.settle()
+    assert len(cell.seen().poses) == len(SPOTS)
+    assert cell.simulator.cell.depth.names == ("depth_1", "depth_2")
+
+
 def test_with_a_camera_that_was_knocked_nothing_is_looked_for() -> None:
     given = load_preset("unknown").over("cell", {"depth": {"noise": {"mount_position": 0.02}}})
     cell = LockstepCell(given.packing_cell(), scene(), lockstep_config(given), 0, lambda *_: None)
     cell.settle()
     estimator = cell.estimator
     assert isinstance(estimator, DepthEstimator)
-    assert set(estimator.misplaced) == {0, 1}
+    assert set(estimator.misplaced) == {0, 1, 2}
     assert not estimator.knows_objects
     assert cell.seen().poses == {}
 
@@ -150,11 +159,11 @@ def test_one_camera_alone_does_not_see_what_hangs_on_the_cup_all_around_and_says
     cell = LockstepCell(given.packing_cell(), scene(), lockstep_config(given), 0, lambda *_: None)
     estimator = cell.estimator
     assert isinstance(estimator, DepthEstimator)
-    see, first_alone = estimator.see, np.array([1.0, 0.0])[:, None, None]
+    see, first_alone = estimator.see, np.array([1.0, 0.0, 0.0])[:, None, None]
     with patch.object(estimator, "see", lambda frame: see(replace(frame, images=frame.images * first_alone))):
         cell.settle()
     assert not estimator.knows_objects
-    assert "is not seen all around by both cameras" in estimator.hindrance
+    assert "is not seen all around by the cameras" in estimator.hindrance
     cell.settle()
     assert (estimator.knows_objects, estimator.hindrance) == (True, "")
 
@@ -284,12 +293,12 @@ def test_calibrated_cameras_tell_where_the_container_is() -> None:
         simulator.step()
         estimator.advance(simulator.joints())
     frame = system.capture(simulator.model, simulator.data, simulator.time)
-    first, second = system.cameras
+    first, second, third = system.cameras
     knocked = Pose(np.add(second.X_WC.p, [0.0, 0.0, 0.002]), second.X_WC.q)
-    doubtful = DepthEstimator(told, cell, config.estimator, [first, replace(second, X_WC=knocked)])
+    doubtful = DepthEstimator(told, cell, config.estimator, [first, replace(second, X_WC=knocked), third])
     doubtful.advance(simulator.joints())
     doubtful.see(frame)
-    assert set(doubtful.misplaced.values()) == {"2 mm against the other camera"}
+    assert set(doubtful.misplaced.values()) == {"2 mm between the cameras"}
     estimator.see(frame)
     assert len(estimator.scene.objects) == len(SPOTS)
     np.testing.assert_allclose(estimator.scene.container.centre, true, atol=3e-4)

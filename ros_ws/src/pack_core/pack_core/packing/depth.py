@@ -15,6 +15,7 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt
 
 from pack_core.camera import PinholeCamera, looking_at
 from pack_core.config import Config
+from pack_core.packing.topics import DEPTH_CAMERAS
 from pack_core.rotations import Array
 from pack_core.text.limits import Share
 
@@ -79,7 +80,7 @@ class DepthCameras(Config):
     """The depth cameras, all of the same kind.
 
     Attributes:
-        mounts: where each of the two hangs.
+        mounts: where each of them hangs, two or three.
         focal: focal length [pixel].
         width: of an image [pixel].
         height: of an image [pixel].
@@ -88,13 +89,18 @@ class DepthCameras(Config):
         noise: errors of an image.
     """
 
-    mounts: Annotated[list[DepthMount], Field(min_length=2, max_length=2)]
+    mounts: Annotated[list[DepthMount], Field(min_length=2, max_length=len(DEPTH_CAMERAS))]
     focal: PositiveFloat
     width: PositiveInt
     height: PositiveInt
     rate: PositiveFloat
     latency: NonNegativeFloat
     noise: DepthNoise
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The cameras' names, which their frames have too."""
+        return DEPTH_CAMERAS[: len(self.mounts)]
 
     def cameras(self) -> list[PinholeCamera]:
         """The cameras as described."""
@@ -121,7 +127,7 @@ class DepthFrame:
 
 
 SILENCE = 0.3
-"""After which the other depth camera goes on alone [s]: four images."""
+"""After which the other depth cameras go on alone [s]: four images."""
 
 
 class FramePairing:

@@ -314,16 +314,12 @@ def describe_robot(cell: PackingCell) -> DescribedRobot:
     return DescribedRobot.of(spec, arm.name, arm.limits)
 
 
-DEPTH_CAMERAS = ("depth_1", "depth_2")
-"""Frames of the depth cameras, in the order of config/cells/packing.yaml."""
-
-
 def fixed_frames(cell: PackingCell, container: Container) -> dict[str, tuple[str, Pose]]:
     """X_PF and the parent's name P, by the name of frame F.
 
     Besides container and table there are two at the tool. `cup` is the cup's lip. `tip` is the frame of
     `/wrench`: the middle of the held object's top, with the axes of an object that hangs upright (what a
-    compliant cup adds to that is left out). `mocap_camera_1` and so on, or `depth_1` and `depth_2`, look
+    compliant cup adds to that is left out). `mocap_camera_1` and so on, or `depth_1` and so on, look
     along z, with x to the right.
     """
     here = Pose(np.zeros(3))
@@ -334,7 +330,7 @@ def fixed_frames(cell: PackingCell, container: Container) -> dict[str, tuple[str
         "tip": ("tool", Pose(np.zeros(3), np.array(UPSIDE_DOWN))),
     }
     if cell.perception is Perception.DEPTH:
-        for name, camera in zip(DEPTH_CAMERAS, cell.depth.cameras(), strict=True):
+        for name, camera in zip(cell.depth.names, cell.depth.cameras(), strict=True):
             frames[name] = ("world", camera.X_WC)
         return frames
     for number, position in enumerate(cell.mocap.cameras, start=1):

@@ -9,9 +9,11 @@ GRIPPER_STATE, MPC_STATUS, RESULT = "/gripper/state", "/mpc/status", "/pack_obje
 FILL_PROGRESS, FILL_RESULT = "/fill_container/progress", "/fill_container/result"
 SETTLED_SAMPLES = "/placement/settled_samples"
 SIM_DESCRIPTION = "/sim/description"
-DEPTH_IMAGES = ("/depth_1/image_rect", "/depth_2/image_rect")
-DEPTH_POINTS = ("/depth_1/points", "/depth_2/points")
-DEPTH_INFOS = ("/depth_1/camera_info", "/depth_2/camera_info")
+DEPTH_CAMERAS = ("depth_1", "depth_2", "depth_3")
+"""Frames of the depth cameras, as config/cells/packing.yaml lists them; a cell may have two only."""
+DEPTH_IMAGES = tuple(f"/{name}/image_rect" for name in DEPTH_CAMERAS)
+DEPTH_POINTS = tuple(f"/{name}/points" for name in DEPTH_CAMERAS)
+DEPTH_INFOS = tuple(f"/{name}/camera_info" for name in DEPTH_CAMERAS)
 
 JOINT_RATE = 500.0
 """Two messages for each tick."""

@@ -17,7 +17,7 @@ from pack_core.errors import MessageError
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.depth import points_of
 from pack_core.packing.depth_calibration import DepthCalibration, FoundCamera
-from pack_core.packing.model import DEPTH_CAMERAS, UPSIDE_DOWN
+from pack_core.packing.model import UPSIDE_DOWN
 from pack_core.packing.packing_list import handed_over
 from pack_core.packing.scene import Scene
 from pack_core.pose_config import PoseConfig
@@ -92,7 +92,7 @@ class CameraCalibration:
                 sigma_shift=found.sigma_shift, sigma_turn=found.sigma_turn,
                 residual=found.residual, postures=len(found.places),
             )
-            for name, found in zip(DEPTH_CAMERAS, self.found, strict=True)
+            for name, found in zip(cell.depth.names, self.found, strict=True)
         ]  # fmt: skip
         return DepthCalibration(
             preset=preset, described=tuple(described), cameras=tuple(cameras), simulated_s=self.seconds
@@ -237,7 +237,7 @@ def find_cameras(
     tool, container = ToolShape.of(cell), cell.scene.container
     middle = np.array([*container.centre, 0.5 * container.height])
     found, reasons = [], []
-    for number, (name, camera) in enumerate(zip(DEPTH_CAMERAS, described, strict=True)):
+    for number, (name, camera) in enumerate(zip(cell.depth.names, described, strict=True)):
         try:
             one = find_camera(camera, number, views, tool, middle, config)
         except CameraCalibrationFailed as failure:
@@ -292,5 +292,5 @@ def check(
     found = find_cameras(cell, calibration.applied(cell.depth), views, few)
     return tuple(
         CheckedCamera(name, float(np.linalg.norm(one.off.shift)), float(np.linalg.norm(one.off.turn)))
-        for name, one in zip(DEPTH_CAMERAS, found, strict=True)
+        for name, one in zip(cell.depth.names, found, strict=True)
     )

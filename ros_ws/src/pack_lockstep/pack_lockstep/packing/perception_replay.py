@@ -69,8 +69,8 @@ def replay_perception(bag: Bag, preset: PackingPreset | None = None, calibration
     start, end = job or (run.start, run.end)
     bag = bag if job else without_earlier_gaps(bag, start, latched=(DESCRIPTION, SIM_DESCRIPTION, SEEN))
     if preset.packing_cell().perception is Perception.DEPTH:
-        counts = {topic: _count_images(bag, topic) for topic in DEPTH_IMAGES}
         depth = preset.packing_cell().depth
+        counts = {topic: _count_images(bag, topic) for topic in DEPTH_IMAGES[: len(depth.mounts)]}
         cameras = load_depth_calibration(Path(calibration)).applied(depth) if calibration else None
         estimated = estimate_by_depth(bag, preset, cameras)
         return Replay("perception", counts, _compare(run, start, end, estimated))
@@ -142,7 +142,7 @@ def estimate_by_depth(
     """
     config, cell = preset.parameters("perception", PerceptionConfig), preset.packing_cell()
     estimator: DepthEstimator | None = None
-    pairing = FramePairing(len(DEPTH_IMAGES))
+    pairing = FramePairing(len(cell.depth.mounts))
     waiting: deque[DepthFrame] = deque()
     states: list[SceneState] = []
     has_looked = is_handed_over = False

@@ -181,7 +181,7 @@ class DepthEstimator(HandOverEstimator):
             X_WT = self._physics.cup_pose(self._history.at(frame.time))
             held = held_shape(points, self._cameras, X_WT, scene.new_object, self._depth)
             if held is None:
-                return f"'{scene.new_object.name}' on the cup is not seen all around by both cameras"
+                return f"'{scene.new_object.name}' on the cup is not seen all around by the cameras"
             scene = scene.model_copy(update={"new_object": held.item}).gripped(held.X_TN)
             X_WN, surely = X_WT @ held.X_TN, {held.item.name: held.deviations}
             self._measures_held = False
@@ -311,7 +311,7 @@ class DepthEstimator(HandOverEstimator):
         seen = np.array(list(shifts.values()))
         apart = float(np.linalg.norm(np.ptp(seen, axis=0)))
         if apart > AGREEMENT:  # nobody can say which of them it is
-            self.misplaced |= dict.fromkeys(shifts, f"{1e3 * apart:.0f} mm against the other camera")
+            self.misplaced |= dict.fromkeys(shifts, f"{1e3 * apart:.0f} mm between the cameras")
         else:
             x, y = container.centre - seen.mean(axis=0)[:2]
             self._placed = container.model_copy(update={"centre": (float(x), float(y))})

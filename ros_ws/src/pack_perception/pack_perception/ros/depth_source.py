@@ -14,7 +14,6 @@ from pack_core.errors import MessageError
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.depth import DepthFrame, FramePairing
 from pack_core.packing.depth_calibration import load_depth_calibration
-from pack_core.packing.model import DEPTH_CAMERAS
 from pack_core.packing.scene import Scene
 from pack_core.packing.seen_deviations import SeenObjects
 from pack_core.ros.clock import StampCheck
@@ -31,9 +30,6 @@ from pack_perception.mocap.physics_estimator import Correction
 from pack_perception.perception_config import PerceptionConfig
 from pack_perception.ros.frame_sources import Frame
 
-IMAGES = contracts.DEPTH_IMAGE_1, contracts.DEPTH_IMAGE_2
-INFOS = contracts.DEPTH_INFO_1, contracts.DEPTH_INFO_2
-"""By camera, as config/cells/packing.yaml lists them."""
 COVERED = 0.1
 """Share of its pixels that a depth camera at least measures when nothing covers it; it is 0.8."""
 INTRINSICS = 0.5
@@ -57,10 +53,12 @@ class DepthSource:
         told = node.declare_parameter("calibration", "", read_only("file of pack calibrate packing")).value
         described = cell.depth
         self._calibrated = load_depth_calibration(Path(told)).applied(described) if told else None
-        self._cameras = self._calibrated or described.cameras()
+        self._cameras, self._names = self._calibrated or described.cameras(), described.names
+        self._images = contracts.DEPTH_IMAGES[: len(self._names)]
+        self._infos = contracts.DEPTH_INFOS[: len(self._names)]
         self._measured: dict[int, float] = {}
         self._has_info = [False] * len(self._cameras)
-        self.streams = tuple(Stream(node, contract) for contract in IMAGES)
+        self.streams = tuple(Stream(node, contract) for contract in self._images)
         self._taken: list[tuple[float, int, Array]] = []
         self._pairing = FramePairing(len(self._cameras))
         self._described: Scene | None = None
@@ -69,7 +67,7 @@ class DepthSource:
             node.advertise(contracts.DESCRIPTION),
             node.advertise(contracts.SEEN_OBJECTS),
         )
-        for i, contract in enumerate(INFOS):
+        for i, contract in enumerate(self._infos):
             node.listen(contract, partial(self._on_info, i))
 
     def begin(self, scene: Scene) -> HandOverEstimator:
@@ -82,7 +80,7 @@ class DepthSource:
     def take(self) -> list[Frame]:
         """The frames that have come, oldest first."""
         self._taken = []
-        for i, (stream, contract) in enumerate(zip(self.streams, IMAGES, strict=True)):
+        for i, (stream, contract) in enumerate(zip(self.streams, self._images, strict=True)):
             for message in stream.take_all():
                 self._node.guard(contract, partial(self._add, i), message)
         self._taken.sort(key=lambda item: item[:2])
@@ -109,7 +107,7 @@ class DepthSource:
             return moved
         if estimator.knows_objects:
             return ""
-        missing = [c.name for c, has in zip(INFOS, self._has_info, strict=True) if not has]
+        missing = [c.name for c, has in zip(self._infos, self._has_info, strict=True) if not has]
         if missing:
             return f"no {', '.join(missing)} yet"
         why = f": {estimator.hindrance}" if estimator.hindrance else ""
@@ -117,7 +115,7 @@ class DepthSource:
 
     def _moved(self, estimator: DepthEstimator) -> str:
         """Cameras that hang elsewhere than described, in words."""
-        off = [f"{DEPTH_CAMERAS[i]} is off by {words}" for i, words in estimator.misplaced.items()]
+        off = [f"{self._names[i]} is off by {words}" for i, words in estimator.misplaced.items()]
         cure = "calibrate the cell (pack calibrate packing), or hang it as config/cells/packing.yaml says"
         return f"{', '.join(off)}: {cure}" if off else ""
 
@@ -135,7 +133,7 @@ class DepthSource:
         given = from_camera_info(message, described.X_WC)
         if not _are_alike(given, described):
             raise MessageError(
-                f"{DEPTH_CAMERAS[camera]} has {_intrinsics(given)}, described is {_intrinsics(described)}; "
+                f"{self._names[camera]} has {_intrinsics(given)}, described is {_intrinsics(described)}; "
                 "change `depth` in config/cells/packing.yaml, or the camera"
             )
         self._has_info[camera] = True
@@ -144,7 +142,7 @@ class DepthSource:
         time = from_stamp(message.header.stamp)
         self._stamps.check(time)
         if not self._has_info[camera]:
-            self._node.health.count("unused image", f"no intrinsics of {DEPTH_CAMERAS[camera]} yet")
+            self._node.health.count("unused image", f"no intrinsics of {self._names[camera]} yet")
             return
         image = from_depth_image(message, self._cameras[camera])
         self._measured[camera] = np.count_nonzero(image) / image.size
@@ -153,15 +151,15 @@ class DepthSource:
     def _note(self) -> None:
         """Report cameras that are not waited for, and those that see next to nothing."""
         for camera, share in self._measured.items():
-            name = DEPTH_CAMERAS[camera]
+            name = self._names[camera]
             self._node.health.faults.pop(name, None)
             if share < COVERED:
                 seen = f"{name} measures {100 * share:.0f} % of its pixels"
                 self._node.health.faults[name] = f"{seen}: is its lens covered?"
-        silent = ", ".join(DEPTH_CAMERAS[i] for i in self._pairing.silent)
+        silent = ", ".join(self._names[i] for i in self._pairing.silent)
         self._node.health.faults.pop("cameras", None)
         if silent:
-            self._node.health.faults["cameras"] = f"{silent} brings no images; the other one goes on alone"
+            self._node.health.faults["cameras"] = f"{silent} brings no images; the others go on without"
 
 
 def _are_alike(one: PinholeCamera, other: PinholeCamera) -> bool:

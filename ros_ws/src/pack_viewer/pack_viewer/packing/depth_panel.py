@@ -12,7 +12,6 @@ from viser import GuiApi, GuiHtmlHandle, GuiImageHandle
 from pack_core.camera import Picture, PinholeCamera
 from pack_core.packing import topics
 from pack_core.packing.cell import packing_cell
-from pack_core.packing.model import DEPTH_CAMERAS
 from pack_core.packing.scene import Scene
 from pack_core.packing.seen_deviations import SEEN, SeenDeviations, SeenObjects, in_words
 from pack_core.rotations import Array, Pose
@@ -63,7 +62,7 @@ def sizes_of(scene: Scene, deviations: Mapping[str, SeenDeviations]) -> str:
 
 
 class DepthPanel:
-    """Both images, as soon as they come, and what a look saw; on cells with motion capture a note."""
+    """All images, as soon as they come, and what a look saw; on cells with motion capture a note."""
 
     def __init__(self) -> None:
         self._cameras = packing_cell().depth.cameras()
@@ -79,7 +78,7 @@ class DepthPanel:
         self._note = gui.add_markdown(NONE)
         self._handles = [
             gui.add_image(NOTHING, label=f"{name}, and what is perceived", format="jpeg", visible=False)
-            for name in DEPTH_CAMERAS
+            for name in topics.DEPTH_CAMERAS
         ]
         self._sizes = gui.add_html("")
 

@@ -40,18 +40,18 @@ CONTROLLER_TRAJECTORY = Contract(
 MARKERS = Contract(
     topics.MARKERS, MocapMarkers, ("sim",), ("perception", "recorder"),
     "markers that at least two cameras see", qos=STREAM, rate=hz(topics.MARKER_RATE), recorded=True)
-DEPTH_IMAGE_1, DEPTH_IMAGE_2 = (
+DEPTH_IMAGE_1, DEPTH_IMAGE_2, DEPTH_IMAGE_3 = DEPTH_IMAGES = tuple(
     Contract(
         name, Image, ("sim",), ("perception", "recorder", "user"),
         "depths of a depth camera, if there is one, 16UC1: whole millimetres, 0 where nothing was measured",
         qos=STREAM, rate=hz(topics.DEPTH_RATE), recorded=True)
     for name in topics.DEPTH_IMAGES)
-DEPTH_INFO_1, DEPTH_INFO_2 = (
+DEPTH_INFO_1, DEPTH_INFO_2, DEPTH_INFO_3 = DEPTH_INFOS = tuple(
     Contract(
         name, CameraInfo, ("sim",), ("perception", "recorder", "user"), "intrinsics of a depth camera",
         qos=LATCHED, rate="at reset", recorded=True)
     for name in topics.DEPTH_INFOS)
-DEPTH_POINTS_1, DEPTH_POINTS_2 = (
+DEPTH_POINTS_1, DEPTH_POINTS_2, DEPTH_POINTS_3 = DEPTH_POINTS = tuple(
     Contract(
         name, PointCloud2, ("sim",), ("user",),
         "the same depths as points in the frame of the camera, a row for each row of the image, not a number "

@@ -11,7 +11,6 @@ import numpy as np
 
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.depth import DepthFrame
-from pack_core.packing.model import DEPTH_CAMERAS
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.messages.camera import to_camera_info, to_depth_image
 from pack_core.ros.messages.point_cloud import to_depth_cloud
@@ -79,13 +78,11 @@ class DepthPublisher:
 
     def __init__(self, node: CellNode, cell: PackingCell) -> None:
         self._node, self._described = node, cell.depth
-        self._cameras = cell.depth.cameras()
-        images = contracts.DEPTH_IMAGE_1, contracts.DEPTH_IMAGE_2
-        infos = contracts.DEPTH_INFO_1, contracts.DEPTH_INFO_2
-        clouds = contracts.DEPTH_POINTS_1, contracts.DEPTH_POINTS_2
-        self._images = [node.advertise(contract) for contract in images]
-        self._infos = [node.advertise(contract) for contract in infos]
-        self._clouds = [node.advertise(contract) for contract in clouds]
+        self._cameras, self._names = cell.depth.cameras(), cell.depth.names
+        self._images, self._infos, self._clouds = (
+            [node.advertise(contract) for contract in topics[: len(self._names)]]
+            for topics in (contracts.DEPTH_IMAGES, contracts.DEPTH_INFOS, contracts.DEPTH_POINTS)
+        )
         self._thread: CameraThread[DepthSnapshot, DepthFrame] | None = None
         self._left_out = 0
 
@@ -94,7 +91,7 @@ class DepthPublisher:
         self.close()
         self._node.health.faults.pop("depth cameras", None)
         self._system = DepthCameraSystem(self._described, np.random.default_rng([seed, 2]))
-        for info, camera, frame in zip(self._infos, self._cameras, DEPTH_CAMERAS, strict=True):
+        for info, camera, frame in zip(self._infos, self._cameras, self._names, strict=True):
             info.publish(to_camera_info(time, camera, frame))
         deliver = self._system.deliver
         self._thread = CameraThread(
@@ -110,14 +107,14 @@ class DepthPublisher:
             self._left_out += not self._thread.expose(time, snapshot)
             self._node.health.values["depth frames left out"] = str(self._left_out)
         for frame in self._system.due(time):
-            for publisher, image, name in zip(self._images, frame.images, DEPTH_CAMERAS, strict=True):
+            for publisher, image, name in zip(self._images, frame.images, self._names, strict=True):
                 publisher.publish(to_depth_image(frame.time, image, name))
             self._publish_points(frame)
 
     def _publish_points(self, frame: DepthFrame) -> None:
         """Publish the points of a frame where somebody listens, as no node of the cell does."""
         for publisher, image, camera, name in zip(
-            self._clouds, frame.images, self._cameras, DEPTH_CAMERAS, strict=True
+            self._clouds, frame.images, self._cameras, self._names, strict=True
         ):
             if publisher.get_subscription_count():
                 publisher.publish(to_depth_cloud(frame.time, image, camera, name))
