@@ -33,9 +33,9 @@ class Witness:
             shared.DIAGNOSTICS,
         )
 
-    def pack(self, seed: int = 0) -> Any:
+    def pack(self, seed: int = 0, timeout: float = 0.0) -> Any:
         """Send a goal; its handle."""
-        goal = PackObject.Goal(method="pack_it_in", seed=seed)
+        goal = PackObject.Goal(method="pack_it_in", seed=seed, timeout=timeout)
         return self.graph.send_goal(
             contracts.PACK_OBJECT, goal, feedback=lambda message: self.feedback.append(message.feedback)
         )

@@ -53,6 +53,7 @@ def test_a_placement_that_was_taken_up_is_the_last_that_was_planned_before() -> 
     assert first.planned_for == start
     assert first.tried.size == 0
     assert second.planned_for == taken
+    assert (first.answers, second.answers) == (0, 2)
     np.testing.assert_array_equal(second.tried, [done.p_WT[0]])
     np.testing.assert_array_equal(second.p_WT, p_WT[new])
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import json
 import math
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -172,6 +173,14 @@ def test_a_goal_can_be_canceled_while_the_cameras_see_nothing(cell: Cell) -> Non
     cell.graph.wait_until(lambda: "seen nothing" in cell.mpc.health.last.get("skipped iteration", ""), 30.0)
     handle.cancel_goal_async()
     assert cell.graph.result_of(handle).exit_reason == "canceled"
+
+
+def test_a_goal_whose_scene_has_lost_an_object_ends_by_its_time(cell: Cell) -> None:
+    handle = cell.pack(timeout=3.0)
+    cell.wait_for_motion()
+    with patch("pack_mpc.session.unseen_of", lambda *_: ("lost",)):
+        assert cell.graph.result_of(handle).exit_reason == "timeout"
+    assert "lacks lost" in cell.mpc.health.last["skipped iteration"]
 
 
 def weigh(cell: Cell, times: float) -> None:

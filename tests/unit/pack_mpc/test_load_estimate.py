@@ -130,3 +130,12 @@ def test_an_object_that_swings_from_a_soft_cup_is_no_loss() -> None:
         largest[swing] = max(told)
     assert largest[0.0] > 0.99
     assert largest[1.0] < 0.5
+
+
+def test_a_jump_that_only_biases_explain_which_had_become_impossible_is_weighed_all_the_same() -> None:
+    estimate = LoadEstimate(MASS, LoadConfig())
+    for force in [np.zeros(3)] * 600 + [np.array([10.0, 0.0, 0.0])]:
+        estimate.update(force, np.eye(3), np.zeros(3), PERIOD)
+    assert 0.0 <= estimate.wrong <= 1.0
+    assert 0.0 <= estimate.empty <= 1.0
+    assert np.isfinite(estimate.mass)

@@ -124,7 +124,8 @@ class LoadEstimate:
         gains = variances / spread
         self._means = self._means + gains[..., None] * innovations
         self._variances = (1.0 - gains) * variances
-        weights = self._weights * np.exp(logs - logs.max())
+        # What has become impossible stays possible by the least there is: it may be all that explains a jump.
+        weights = np.maximum(self._weights, np.finfo(float).tiny) * np.exp(logs - logs.max())
         self._weights = weights / weights.sum()
 
     def _lose(self, probability: float) -> None:

@@ -11,7 +11,7 @@ from pack_interfaces.action import FillContainer, PackObject
 from pydantic import Field, PositiveFloat
 from std_msgs.msg import String
 
-from pack_core.errors import MessageError, PackError
+from pack_core.errors import PackError
 from pack_core.joints import Setpoints, hold
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.goals import PackingExitReason
@@ -97,6 +97,7 @@ class MpcNode(GoalNode):
     async def pursue(self, request: PackObject.Goal | FillContainer.Goal) -> Any:
         """Hand the goal to the worker and wait for its outcome."""
         self._mailbox.clear_forces()
+        self._load = LoadShedding()
         if isinstance(request, FillContainer.Goal):
             fill = self._fills.begin(request, self._config, self._described, self._mailbox.time)
             await self._reach_end(fill, lambda: self._fills.publish_result(fill))
@@ -142,12 +143,12 @@ class MpcNode(GoalNode):
         session = goal.session
         try:
             seen = self._mailbox.observe(self._config.blind_time if session is None else session.blind_time)
-        except MessageError:
+            goal.follow(self._described())
+            self._give_up_for_load(goal)
+            turn = goal.turn(seen, self._mailbox.force, latency)
+        except PackError:
             self._expire(goal)
             raise
-        goal.follow(self._described())
-        self._give_up_for_load(goal)
-        turn = goal.turn(seen, self._mailbox.force, latency)
         self._worker.is_waiting = self._placements.is_pending
         if isinstance(goal, FillGoal):
             self._fills.publish_progress(goal, seen.joints.time)

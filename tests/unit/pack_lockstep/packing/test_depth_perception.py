@@ -27,6 +27,7 @@ from pack_lockstep.packing.lockstep import LockstepCell
 from pack_lockstep.packing.lockstep_config import load_preset, lockstep_config
 from pack_lockstep.packing.settings import BenchmarkSettings, set_up
 from pack_perception.depth.depth_estimator import DepthEstimator
+from pack_perception.depth.registration import Registration
 from pack_sim.packing.depth_cameras import DepthCameraSystem
 from pack_sim.packing.simulator import Simulator
 
@@ -301,6 +302,16 @@ def test_calibrated_cameras_tell_where_the_container_is() -> None:
     assert set(doubtful.misplaced.values()) == {"2 mm between the cameras"}
     estimator.see(frame)
     assert len(estimator.scene.objects) == len(SPOTS)
+    np.testing.assert_allclose(estimator.scene.container.centre, true, atol=3e-4)
+    # each look places it anew
+    nearer = Registration(np.zeros(3), np.array([0.001, 0.0, 0.0]), np.zeros(3), 0.0)
+    estimator._needs_look = True
+    with patch("pack_perception.depth.depth_estimator.register", return_value=nearer):
+        estimator.see(frame)
+    expected = np.subtract(told.container.centre, [0.001, 0.0])
+    np.testing.assert_allclose(estimator.scene.container.centre, expected, atol=1e-9)
+    estimator._needs_look = True
+    estimator.see(frame)
     np.testing.assert_allclose(estimator.scene.container.centre, true, atol=3e-4)
     # with what is handed over next the container is told as it was described, and is known better
     estimator.change_scene(told.with_next(handed_over(CELL.scene.new_object, CELL), keep=False))

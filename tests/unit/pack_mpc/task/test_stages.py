@@ -115,6 +115,19 @@ def test_fine_tune_that_comes_no_nearer_stalls(machine: StageMachine) -> None:
     assert machine.is_stalled
 
 
+def test_a_low_object_that_slides_to_its_place_does_not_stall(scene: Scene) -> None:
+    """Its distance from there is larger than its height over the table, where INSERT ends."""
+    low = PLACE - np.array([0.0, 0.0, 0.05])
+    item = Box(name="low", mass=0.3, shape="box", size=(0.06, 0.06, 0.08))
+    scene = scene.model_copy(update={"new_object": item})
+    machine = StageMachine(scene, StageConfig(), ChosenPlacement(Pose(low), ()), 0.0, START)
+    machine.update(1.0, Pose(machine.target.p_WN))
+    for i in range(10):
+        machine.update(2.0 + 0.5 * i, Pose(low + np.array([0.06 - 0.0025 * i, 0.0, 0.005])))
+        assert machine.stage is Stage.FINE_TUNE
+        assert not machine.is_stalled
+
+
 @pytest.mark.parametrize("is_rehearsed", [True, False])
 def test_a_rehearsed_entry_that_halts_is_led_on(scene: Scene, is_rehearsed: bool) -> None:
     entry = Entry(np.array([1.0, 0.0]), 0.4, np.array([-0.02, 0.0]), (0.13,))

@@ -194,7 +194,9 @@ def test_the_force_stop_is_filtered_alike_however_the_samples_are_split(scene) -
 def test_refused_placements_end_the_goal_with_the_planners_reason(task: PackingTask) -> None:
     for _ in range(TaskConfig().placement_tries):
         assert task.outcome is None
+        before = task.answers
         task.refuse(10.5, "all 300 samples collide")
+        assert task.answers == before + 1  # other samples are drawn
     assert task.outcome.exit_reason is PackingExitReason.NO_PLACEMENT
     assert "300" in task.outcome.message
 

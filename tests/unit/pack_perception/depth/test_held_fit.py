@@ -73,3 +73,8 @@ def test_nothing_is_measured_of_what_is_seen_from_one_side() -> None:
     sides = box_sides(size, rng)
     assert seen(sides[sides[:, 0] > 0.0], size[2], from_yaw(0.0), rng) is None
     assert seen(sides[:0], size[2], from_yaw(0.0), rng) is None
+
+
+def test_of_what_is_flatter_than_its_ends_are_left_out_nothing_is_measured() -> None:
+    rng, size = np.random.default_rng(3), (0.08, 0.05, 0.018)
+    assert seen(box_sides(size, rng), size[2], from_yaw(0.0), rng) is None

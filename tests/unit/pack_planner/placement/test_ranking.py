@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pack_planner.placement.least_disturbance_planner import cheapest_elsewhere, spread_out
+from pack_planner.placement.least_disturbance_planner import cheapest_elsewhere, distances_to, spread_out
 
 PLACES = st.lists(st.tuples(st.floats(0.0, 0.3), st.floats(0.0, 0.2)), min_size=1, max_size=30)
 
@@ -44,3 +44,7 @@ def test_those_come_first_that_keep_apart_and_have_the_others_near_them(
     is_near = [np.any(apart[k, :i] <= spacing) for i, k in enumerate(chosen)]
     first = is_near.index(True) if any(is_near) else len(chosen)
     assert first == n or np.all(apart[:, :first].min(axis=1) <= spacing)
+
+
+def test_without_places_to_avoid_all_are_infinitely_far() -> None:
+    assert distances_to(np.zeros((3, 7)), []).tolist() == [np.inf] * 3

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from pack_core.packing.cell import packing_cell
+from pack_core.packing.convex_mesh import ConvexMesh
 from pack_core.packing.entry import Entry, WayIn, plan_entry
-from pack_core.packing.objects import Box
+from pack_core.packing.objects import Box, Capsule
 from pack_core.packing.scene import Scene
-from pack_core.rotations import Pose
+from pack_core.rotations import Pose, angle_between, exp
 from pack_planner.placement.rehearsal import DOWN_BELOW, REST, Rehearsal
 
 PLACE = Pose(np.array([0.5, 0.0, 0.09]))
@@ -55,6 +56,18 @@ def test_leaning_away_from_the_block_it_lands_on_it() -> None:
     assert not away
 
 
+def test_a_capsule_that_lies_and_has_rolled_has_not_tipped_over() -> None:
+    roll = Capsule(name="roll", mass=0.1, shape="capsule", radius=0.02, length=0.08, axis="x")
+    scene = packing_cell().scene.model_copy(update={"objects": [roll]})
+    beside = np.array([0.5, 0.08, 0.02])
+    for turned in (0.0, 0.5, 1.5, np.pi):
+        (success,), _ = rehearse(scene.with_poses({"roll": Pose(beside, exp([turned, 0.0, 0.0]))}), Entry())
+        assert success
+    upended = Pose(np.array([0.5, 0.08, 0.04]), exp([0.0, np.pi / 2, 0.0]))
+    rehearsal = Rehearsal(scene.description(), packing_cell(), 1)
+    assert rehearsal._is_upright("roll", np.array([[*upended.p, *upended.q]])).tolist() == [False]
+
+
 def test_what_fills_the_width_of_the_container_is_in_the_way() -> None:
     scene = block_at(0.0, width=0.21)
     (success,), _ = rehearse(scene, entry(scene, TOWARDS_Y))
@@ -72,3 +85,14 @@ def test_the_same_on_any_number_of_threads(threads: int) -> None:
     scene = block_at(0.02)
     entries = [entry(scene, np.array([np.cos(a), np.sin(a)])) for a in range(5)]
     assert rehearse(scene, *entries) == rehearse(scene, *entries, threads=threads)
+
+
+def test_what_looks_another_way_after_half_a_turn_is_not_turned_by_it() -> None:
+    corners = [(-0.05, -0.04), (0.05, -0.04), (0.0, 0.04)]
+    vertices = tuple((x, y, z) for x, y in corners for z in (-0.06, 0.06))
+    wedge = ConvexMesh(name="wedge", shape="mesh", mass=0.2, vertices=vertices)
+    scene = packing_cell().scene.model_copy(update={"objects": [], "new_object": wedge})
+    rehearsal = Rehearsal(scene.description(), packing_cell(), 1)
+    X_WN = Pose(np.array([0.5, 0.0, 0.06]), exp([0.0, 0.0, 2.5]))
+    turned = exp(rehearsal._way_down(X_WN, Entry())[-1, 3:])
+    assert angle_between(turned, X_WN.q) == pytest.approx(0.0, abs=1e-6)

@@ -1,7 +1,7 @@
 """What is given up where a machine is too slow for a goal, in which order, and when it is taken up again.
 
-Whoever hears of the controller's iterations comes to the same level: the controller itself, the page, and
-the evaluation of a recording. Nothing else has to be told.
+Each goal begins with nothing given up. Whoever hears of the controller's iterations comes to the same level:
+the controller itself, the page, and the evaluation of a recording. Nothing else has to be told.
 """
 
 from __future__ import annotations

@@ -154,7 +154,7 @@ class LockstepPlacements:
         task, time, planned = session.task, seen.joints.time, None
         if self._answer is None and session.needs_placement(seen.scene):
             planned = self._planner.plan(
-                seen.scene, np.random.default_rng(self._seed + len(task.avoid)), avoid=task.avoid,
+                seen.scene, np.random.default_rng(self._seed + task.answers), avoid=task.avoid,
                 avoid_radius=task.avoid_radius, lean=task.lean, near=self._near,
             )  # fmt: skip
             config = self._config

@@ -37,6 +37,9 @@ from pack_planner.placement.placement_planner import (
     PlacementPlanners,
 )
 
+LATEST_SCENE = 0.1
+"""A goal's first request has a scene that is no older than this where the goal was accepted [s]."""
+
 
 @dataclass(frozen=True)
 class Request:
@@ -44,12 +47,14 @@ class Request:
 
     Attributes:
         planned_for: time of the scene that the placement was planned for [s].
+        answers: how often the planner had answered in this goal before.
         tried: positions of the earlier placements `(n, 3)` [m].
         p_WT: recorded position of the placement `(3,)` [m].
         collisions: recorded collision list of the placement.
     """
 
     planned_for: float
+    answers: int
     tried: Array
     p_WT: Array
     collisions: tuple[str, ...]
@@ -115,7 +120,10 @@ def requests(run: Run, planned_for: Sequence[float]) -> Iterator[Request]:
         before = times[times < done.times[first]]
         if not before.size:
             raise BagError(f"the recording has no message of {SETTLED_SAMPLES} before placement {n + 1}")
-        yield Request(float(before[-1]), done.p_WT[firsts[:n]], done.p_WT[first], done.collisions[first])
+        answers = int(np.count_nonzero(before > run.start - LATEST_SCENE)) - 1
+        yield Request(
+            float(before[-1]), answers, done.p_WT[firsts[:n]], done.p_WT[first], done.collisions[first]
+        )
 
 
 def _compare_placement(
@@ -131,7 +139,7 @@ def _compare_placement(
     error = float("inf")
     if scene is not None:
         placement = planner.plan(
-            scene, np.random.default_rng(seed + len(request.tried)), lean=lean,
+            scene, np.random.default_rng(seed + request.answers), lean=lean,
             avoid=list(request.tried), avoid_radius=radius,
         )  # fmt: skip
         if placement.X_WO is not None and placement.collisions == request.collisions:

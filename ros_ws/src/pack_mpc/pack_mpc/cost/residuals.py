@@ -194,7 +194,8 @@ class Yaw(SensorResidual):
 class Force(SensorResidual):
     """EE FORCE: r = sign(f) max(|f| - dead band, 0) [N], f the external force at the tip, per axis.
 
-    The sensor has the object's weight in it, too: f = weight - sensor.
+    The sensor has the object's weight in it, too: f = weight - sensor, with the weight along the tip's z
+    axis, as it is while the object hangs upright. Of one that is tilted by a, m g sin(a) counts as external.
     """
 
     name, default_weight, rows, sensor = "force", 0.0, 3, TIP_FORCE

@@ -28,7 +28,9 @@ class FillConfig(Config):
     touch_acceleration: PositiveFloat = Field(
         default=0.3, description="where a contact is awaited: a start must not feel like one [m/s^2]"
     )
-    clearance: PositiveFloat = Field(default=0.03, description="gap over what the arm passes [m]")
+    clearance: PositiveFloat = Field(
+        default=0.03, description="gap over what the arm passes, and instead of `task.stages.clearance` [m]"
+    )
     approach: PositiveFloat = Field(
         default=0.012, description="height over an object's top from which the cup comes down slowly [m]"
     )

@@ -35,7 +35,7 @@ class SgnConfig(Config):
 
     timestep: PositiveFloat = Field(default=0.02, description="time step of the model [s]")
     horizon: PositiveInt = Field(default=30, description="length of the horizon, in steps")
-    knots: PositiveInt = Field(default=3, description="knots of the twist spline")
+    knots: int = Field(default=3, ge=2, description="knots of the twist spline")
     step_linear: PositiveFloat = Field(default=0.05, description="step of the finite differences [m/s]")
     step_angular: PositiveFloat = Field(default=0.25, description="step of the finite differences [rad/s]")
     explorers: NonNegativeInt = Field(
@@ -45,6 +45,7 @@ class SgnConfig(Config):
     spread_angular: PositiveFloat = Field(default=0.5, description="standard deviation of explorers [rad/s]")
     dampings: tuple[PositiveFloat, ...] = Field(
         default=(0.01, 0.1, 1.0),
+        min_length=1,
         description="dampings of the Gauss-Newton steps, one rollout each",
     )
     speed_linear: PositiveFloat = Field(default=0.4, description="largest linear twist [m/s]")

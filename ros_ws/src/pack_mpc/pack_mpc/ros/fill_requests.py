@@ -96,7 +96,7 @@ class FillRequests:
         self._seed, self._scene = seed, scene
 
     def next_seed(self) -> int:
-        """A seed that no other request of the job has."""
+        """A seed for the next request; a packing goal counts on from its own for further placements."""
         self._seed += 1
         return self._seed
 

@@ -83,7 +83,7 @@ class PlacementClient:
         return PlanPlacement.Request(
             scene=to_scene(seen.scene), lean=task.lean,
             variant=self._affordable(self._variant or session.method.placement_variant),
-            seed=self._seed + len(task.tried),
+            seed=self._seed + task.answers,
             avoid=[to_point(p) for p in task.avoid], avoid_radius=task.avoid_radius,
             near=[] if self._near is None else [to_pose(self._near)],
         )  # fmt: skip

@@ -203,8 +203,9 @@ class StageMachine:
         elif self.stage is Stage.INSERT:
             if self._is_on_base(p_WN):
                 self._enter(Stage.FINE_TUNE, time)
-            self._watch_progress(time, float(p_WN[2]))
-            self.is_stalled |= self._is_outside()
+            else:
+                self._watch_progress(time, float(p_WN[2]))
+                self.is_stalled |= self._is_outside()
         else:
             self._watch_progress(time, self.distance(p_WN))
         return self.stage is not before

@@ -81,6 +81,10 @@ class PackingTask:
         timeout: takes the place of the configured one if it is positive [s].
         lean: tilt of the held object at its entry [rad].
         knows_objects: False lets every entry go straight down, upright, as if the container were empty.
+
+    Attributes:
+        tried: the packing poses X_WN that were taken up.
+        answers: how often the planner has answered; each request draws other samples.
     """
 
     def __init__(
@@ -97,6 +101,7 @@ class PackingTask:
         self._has_placement = False
         self.outcome: PackingOutcome | None = None
         self._has_succeeded, self._refusals = False, 0
+        self.answers = 0
         self._forces = ForceRecord()
         self.distance = 0.0
 
@@ -170,10 +175,12 @@ class PackingTask:
         self._follow(placement, scene.time, scene.objects[self._scene.new_object.name].X_WO)
         self.tried.append(X_WN)
         self._has_placement, self._refusals = True, 0
+        self.answers += 1
 
     def refuse(self, time: float, reason: str) -> None:
         """Note that the planner found no placement; some refusals in a row end the goal."""
         self._refusals += 1
+        self.answers += 1
         if self._refusals >= self._config.placement_tries:
             self.finish(PackingExitReason.NO_PLACEMENT, time, reason)
 

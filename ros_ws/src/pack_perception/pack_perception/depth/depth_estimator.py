@@ -118,7 +118,7 @@ class DepthEstimator(HandOverEstimator):
             state = None if self._joints is None else self.state(self.time).objects.get(last)
             keep = state is not None and is_packed(self._scene, state.X_WO)
             scene = self._scene.with_next(scene.new_object, keep=keep).description()
-        if scene.container not in (self._told, self._placed):  # another one
+        if scene.container not in (self._told, self._placed, self._scene.container):  # another one
             self._told = self._placed = scene.container
         self._measures_held &= not scene.is_handed_over
         super().change_scene(scene.model_copy(update={"container": self._placed}))

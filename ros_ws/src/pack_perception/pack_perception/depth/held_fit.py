@@ -119,6 +119,8 @@ def held_shape(
     if body is None:
         return None
     sides = body[(body[:, 2] < -TOP) & (body[:, 2] > body[:, 2].min() + TOP)]
+    if not len(sides):  # it is flatter than what is left out at its ends
+        return None
     some = sides[:: max(1, len(sides) // config.most)]
     prism = min((_box(some), _cylinder(some)), key=lambda fit: fit.misfit(some))
     end = _lower_end(body, rotate(prism.q_SN, np.array([0.0, 0.0, 1.0])))

@@ -24,6 +24,8 @@ CLOSE_SHARE = 0.8
 """Share of the points that must be near a surface that explains them; others lie on something else."""
 RING = 2
 """Of the directions every so many one is a corner of a body of revolution."""
+WIDEST = 0.15
+"""Largest radius of a body of revolution [m]."""
 KNOTS = 7
 """Heights between which the radius of a body of revolution is linear."""
 SHOULDER = 0.55
@@ -107,7 +109,8 @@ def revolved(points: Array, name: str, config: ShapeFitConfig) -> RoundFit | Non
     distances = np.linalg.norm(points[:, :2] - peak, axis=1)
     rows = np.clip(np.searchsorted(knots, points[:, 2]), 0, KNOTS - 1)
     start = [np.median(distances[rows == i]) if np.any(rows == i) else 0.01 for i in range(KNOTS)]
-    low, high = [-np.inf] * 2 + [0.0] * KNOTS, [np.inf] * 2 + [0.15] * KNOTS
+    low, high = [-np.inf] * 2 + [0.0] * KNOTS, [np.inf] * 2 + [WIDEST] * KNOTS
+    start = np.minimum(start, WIDEST).tolist()
     fit = least_squares(
         residuals, [*peak, *start], jacobian, loss="soft_l1", bounds=(low, high), ftol=CONVERGED, max_nfev=25
     )

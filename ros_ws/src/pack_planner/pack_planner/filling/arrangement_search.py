@@ -103,7 +103,7 @@ def _corner(free: FreePlaces, sides: Sequence[Outline], way: Array) -> PlacedOut
         corners = shapely.get_coordinates(free.of(outline))
         if not len(corners):
             continue
-        # how far the outline's far side reaches, so that both yaws compare
+        # how far the outline's near side is: against a wall the far sides of both yaws reach equally far
         reach = corners @ way - np.abs(way) @ np.ptp(outline.corners, axis=0) / 2.0
         k = int(np.argmax(reach))
         if reach[k] > farthest:

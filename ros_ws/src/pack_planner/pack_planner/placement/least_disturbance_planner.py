@@ -54,18 +54,20 @@ class LeastDisturbancePlanner:
             return PlannedPlacement.failure(reason, samples)
         spread = spread_out(ranked, samples.settled, approach.spacing, approach.candidates)
         candidates = self._candidates(now, samples, spread)
-        vary = partial(self._near, now, rng, near)
+        vary = partial(self._near, now, rng, near, avoid, avoid_radius)
         chosen, rehearsals = self._approach.choose(candidates, vary, poses, lean, len(avoid), rng)
         return PlannedPlacement.success(chosen, rehearsals, samples)
 
     def _near(
-        self, now: Array, rng: np.random.Generator, wanted: Pose | None, candidate: PlacementCandidate
-    ) -> list[PlacementCandidate]:
-        """Feasible placements near a candidate."""
+        self, now: Array, rng: np.random.Generator, wanted: Pose | None, avoid: Sequence[npt.ArrayLike],
+        avoid_radius: float, candidate: PlacementCandidate,
+    ) -> list[PlacementCandidate]:  # fmt: skip
+        """Feasible placements near a candidate, away from `avoid` as it is."""
         new, container, approach = self._scene.new_object, self._scene.container, self._config.approach
         sampled = sample_near(candidate.X_WN, new, container, approach.variations, approach.deviation, rng)
         samples, _ = self._evaluation.evaluate(now, sampled, wanted)
-        return self._candidates(now, samples, np.flatnonzero(samples.is_feasible))
+        is_away = distances_to(samples.settled, avoid) >= avoid_radius
+        return self._candidates(now, samples, np.flatnonzero(samples.is_feasible & is_away))
 
     def _candidates(
         self, now: Array, samples: PlacementSamples, chosen: Iterable[int]
@@ -93,8 +95,7 @@ def cheapest_elsewhere(
     """
     if not len(avoid):
         return np.argsort(costs, kind="stable")
-    tried = np.asarray(avoid, dtype=float)[:, :2]
-    distances = np.linalg.norm(poses[:, None, :2] - tried[None], axis=-1).min(axis=1)
+    distances = distances_to(poses, avoid)
     elsewhere = np.flatnonzero(distances >= radius)
     if not len(elsewhere):
         return np.array([np.argmax(distances)])
@@ -153,3 +154,10 @@ class Algorithm1Planner:
         best = int(ranked[0])
         candidate = self._evaluation.candidate(now, samples.settled[best], samples.costs[best])
         return PlannedPlacement.success(candidate, 0, samples)
+
+
+def distances_to(poses: Array, avoid: Sequence[npt.ArrayLike]) -> Array:
+    """Distance `(n,)` of poses `(n, 7)` to the nearest of points, from above [m]; infinite without any."""
+    tried = np.array([np.asarray(point)[:2] for point in avoid], dtype=float).reshape(-1, 2)
+    distances = np.linalg.norm(poses[:, None, :2] - tried, axis=-1)
+    return np.asarray(distances.min(axis=1, initial=np.inf))

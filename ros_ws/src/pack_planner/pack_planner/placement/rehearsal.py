@@ -61,6 +61,10 @@ class Rehearsal:
     def __init__(self, scene: Scene, cell: PackingCell, threads: int) -> None:
         """Build the model; `threads` 0 uses all cores."""
         self._scene, self.count = scene, 0
+        symmetry = scene.new_object.symmetry
+        # half a turn, as of boxes and of what is round, or what the object's own symmetry is
+        looks_alike = symmetry == 0.0 or np.isclose(np.pi / symmetry, np.round(np.pi / symmetry))
+        self._turn = np.pi if looks_alike else symmetry
         self._physics = BatchPhysics(scene, cell, timestep=TIMESTEP, held=HeldRole.STEERED, threads=threads)
 
     def run(self, poses: Mapping[str, Pose], goals: Sequence[Pose], entries: Sequence[Entry]) -> Rehearsed:
@@ -83,8 +87,14 @@ class Rehearsal:
         for name in (*self._scene.names, self._scene.new_object.name):
             pose = self._of(name, states)
             is_between = np.all((pose[:, :2] > container.lower) & (pose[:, :2] < container.upper), axis=1)
-            is_orderly &= is_between & (rotate(pose[:, 3:], UP)[:, 2] > UPRIGHT)
+            is_orderly &= is_between & self._is_upright(name, pose)
         return is_orderly
+
+    def _is_upright(self, name: str, pose: Array) -> npt.NDArray[np.bool_]:
+        """Whether an object stands at poses `(n, 7)`: a capsule that lies may have rolled."""
+        item = self._scene.model_of(name)
+        q_WO = np.array([item.standing(Pose(row[:3], row[3:])).q for row in pose])
+        return np.asarray(rotate(q_WO, UP)[:, 2] > UPRIGHT)
 
     def _way_down(self, X_WN: Pose, entry: Entry) -> Array:
         """Controls `(T, 6)` of the springs: desired positions [m] and rotation vectors [rad]."""
@@ -92,8 +102,9 @@ class Rehearsal:
         top = max((*entry.tops, LOWEST_START)) + CLEARANCE
         bottoms = np.append(np.arange(top, 0.0, -SPEED * TIMESTEP), 0.0)
         axes, asides = entry.at(bottoms)
-        # a box looks the same after half a turn: the yaw nearest to zero keeps the rotation vector short
-        yaw = (yaw_of(X_WN.q) + np.pi / 2) % np.pi - np.pi / 2
+        # the yaw nearest to zero at which the object looks the same keeps the rotation vector short
+        turn = self._turn
+        yaw = (yaw_of(X_WN.q) + turn / 2) % turn - turn / 2
         # the sine of a tilt, which the axes have, stands for the tilt: it is 6 % less at an entry of 0.6 rad
         turns = Rotation.from_rotvec(tilts(axes)) * Rotation.from_rotvec([0.0, 0.0, yaw])
         # the centre is half a height up the leaning axis from the lower end

@@ -101,6 +101,7 @@ class PackingPage(CellPage):
         for topic in (topics.RESULT, topics.FILL_RESULT):
             for result in news.all(topic):
                 self._take_result(parse_json(result.data, topic), news.time)
+                self._load = LoadShedding()
 
     def show(self) -> None:
         """Bring the task and the plots up to date."""
