@@ -87,8 +87,6 @@ TOUCH_DISTANCE = 0.01
 """Length of the last segment above the table, which is slow where a block is put down [m]."""
 CARRY_CLEARANCE = 0.015
 """Between a carried block and the tallest one, at least [m]."""
-CORNER = 0.03
-"""Length by which the corners between going up, across and down are cut [m]."""
 
 
 class Motions:
@@ -158,8 +156,8 @@ class Motions:
         acceleration = speed.carry_acceleration
         near = self._raised(X_WG, X_WG.p[2] + TOUCH_DISTANCE)
         return Path((
-            Line(self._raised(X_WT, height), speed.descend, acceleration, blend=CORNER, label="lift"),
-            Line(self._raised(X_WG, height), speed.carry, acceleration, blend=CORNER, label="carry"),
+            Line(self._raised(X_WT, height), speed.descend, acceleration, label="lift"),
+            Line(self._raised(X_WG, height), speed.carry, acceleration, label="carry"),
             Line(near, speed.descend, acceleration, exit_speed=speed.touch, label="lower"),
             Line(X_WG, speed.touch, acceleration, label="touch"),
         ))  # fmt: skip

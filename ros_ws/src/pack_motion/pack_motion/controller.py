@@ -125,8 +125,8 @@ class MotionController:
 
     @property
     def margin(self) -> Margin:
-        """How much farther than it must be the arm is from those who are seen."""
-        return self._pursuit.margin
+        """How much farther than it must be the arm is from those who are seen; nobody while it is held."""
+        return Margin() if self._is_held else self._pursuit.margin
 
     @property
     def is_under_way(self) -> bool:

@@ -91,7 +91,7 @@ def _radius(q_WT: Array, corners: Array) -> float:
 
     Args:
         q_WT: orientation of the tool `(4,)`.
-        corners: of the box in its frame `(8, 3)` [m].
+        corners: of the box in the tool's frame `(8, 3)` [m].
     """
     w, a, b, c = q_WT
     farthest = 0.0

@@ -65,3 +65,25 @@ def test_of_a_packing_that_fails_as_a_whole_the_largest_beginning_that_passes_is
     assert [len(pallet.order.boxes) for pallet in found.pallets] == [3, 2]
     assert found.reasons == ("list: 3 of 5 packed boxes; with one more: too many",)
     assert found.left == ()
+
+
+def test_where_all_but_one_box_pass_the_reasons_are_those_against_the_same_packing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The second-best packing of each push is tested too, for other reasons."""
+    tests: list[int] = []
+
+    def never_whole(
+        order: Order, cell: PalletizingCell, layout: LayoutConfig
+    ) -> tuple[list[str], LayoutPlan | None, float | None]:
+        if len(order.boxes) < 3:
+            return judge(order, cell, layout)
+        tests.append(len(order.boxes))
+        return [f"packing {1 + (len(tests) - 1) % proposal.MOST_TESTS}"], None, None
+
+    judge = proposal.judge
+    monkeypatch.setattr(proposal, "judge", never_whole)
+    items = [item(f"b{k}") for k in range(3)]
+    found = propose(items, "list", CELL, ProposalConfig(areas=2, shuffles=2), LayoutConfig())
+    assert len(tests) == proposal.MOST_TESTS * len(proposal.PUSHES)
+    assert found.reasons[0] == "list: 2 of 3 packed boxes; with one more: packing 1"

@@ -67,6 +67,14 @@ def test_no_corner_is_rounded_where_the_tool_turns_unevenly_or_quickly(turn: Arr
         curve_segments(START, path(turn, share), 0)
 
 
+@pytest.mark.parametrize("aside", [0.0, 1e-4, 0.02])
+def test_the_way_back_is_not_rounded_into_but_begins_with_a_stop(aside: float) -> None:
+    there, back = Pose(START.p + UP, START.q), Pose(START.p + np.array([aside, 0.0, 0.0]), START.q)
+    run = curve_segments(START, [Line(there, exit_speed=0.3, blend=0.08), Line(back)], 0)
+    assert len(run) == 2
+    assert run[0].limits.exit_speed == 0.0
+
+
 def test_the_cubic_through_values_and_slopes_is_that_of_scipy() -> None:
     rng = np.random.default_rng(0)
     xs = np.cumsum(rng.uniform(0.1, 1.0, 9))

@@ -6,8 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pack_core.motion.moves import SLOW_SPEED, JointMove, Line, Mode, Path, PoseMove, Segment
-from pack_core.rotations import Array, angle_between
+from pack_core.rotations import Array, Pose, angle_between
 from pack_motion.arm.arm import MotionArm
+from pack_motion.reference.curve import curve_segments
+from pack_motion.reference.joint_move import MoveLimits
+from pack_motion.reference.line_run import LineRefused, line_run
 from pack_motion.reference.path_planner import MotionPlan, PathPlanner
 from pack_motion.reference.trajectory import JointState, MoveRefused, ReferenceTrajectory
 from unit.pack_motion.loop import SHARE, pose
@@ -133,6 +136,64 @@ def test_poses_in_a_row_are_passed_without_a_stop(arm: MotionArm) -> None:
     assert np.abs(passing.v[at_via]).max() > 0.1
     assert passing.duration < stopping.duration
     assert_is_consistent(arm, passing)
+
+
+def beside(arm: MotionArm, step: float) -> Array:
+    """The home posture with the first joint turned by a step [rad]."""
+    return np.asarray(arm.home + step * np.eye(len(arm.home))[0])
+
+
+def test_joint_positions_are_passed_at_the_share_of_speed_of_the_moves(arm: MotionArm) -> None:
+    moves = JointMove(beside(arm, 0.5), speed=0.2), JointMove(beside(arm, 1.0), speed=0.2)
+    rows = planned(arm, *moves).trajectory
+    assert np.all(np.abs(rows.v) <= 0.2 * arm.limits.velocity)
+    assert np.abs(rows.v[int(np.argmax(rows.segment == 1)) - 1]).max() > 0.05
+
+
+@pytest.mark.parametrize("step", [0.001, 0.01, 0.1])
+def test_no_joint_swings_back_to_pass_what_is_near(arm: MotionArm, step: float) -> None:
+    near, far = beside(arm, step), beside(arm, 0.8)
+    for moves in ((near, far), (beside(arm, 0.8 - step), far)):
+        rows = planned(arm, *map(JointMove, moves)).trajectory
+        assert np.all(np.diff(rows.q[:, 0]) > -1e-9)
+        stopping = planned(arm, JointMove(moves[0], stop=True), JointMove(moves[1])).trajectory
+        assert rows.duration < stopping.duration
+
+
+def test_slow_moves_in_a_row_keep_the_tool_slow(arm: MotionArm) -> None:
+    moves = (JointMove(beside(arm, step), mode=Mode.SLOW) for step in (0.3, 0.6))
+    assert speeds(arm, planned(arm, *moves).trajectory).max() <= SLOW_SPEED
+
+
+@pytest.mark.parametrize("wrist", [0.0, 1e-5, 1e-4])
+@pytest.mark.parametrize("name", ["arm", "small_arm"])
+def test_a_line_from_a_singular_wrist_is_refused(
+    name: str, wrist: float, request: pytest.FixtureRequest
+) -> None:
+    """Not planned with a minute for 5 cm, nor with rows without end, nor an error of the linear algebra."""
+    arm = request.getfixturevalue(name)
+    q = arm.home.copy()
+    q[4] = wrist
+    X_WT = arm.chain.forward(q)
+    for way in 0.05 * np.eye(3)[:2]:
+        with pytest.raises(MoveRefused, match="singular"):
+            planned(arm, Line(Pose(X_WT.p + way, X_WT.q)), q=q)
+
+
+class Singular:
+    """Follows with one joint, whose Jacobian cannot be inverted."""
+
+    def follow_rows(self, R_WT: Array, p_WT: Array, q_start: Array) -> Array:
+        return np.tile(q_start, (len(p_WT), 1))
+
+    def joint_rates(self, times: Array, q: Array, rates: Array, accelerations: Array) -> tuple[Array, Array]:
+        raise np.linalg.LinAlgError
+
+
+def test_a_jacobian_that_cannot_be_inverted_is_a_refusal() -> None:
+    run = curve_segments(ABOVE, [Line(ON)], 0)
+    with pytest.raises(LineRefused, match="singular"):
+        line_run(Singular(), run, 0.0, np.zeros(1), MoveLimits(*np.ones((3, 1))))
 
 
 def test_a_line_from_a_moving_arm_brakes_first(arm: MotionArm) -> None:

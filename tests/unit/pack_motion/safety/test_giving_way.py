@@ -17,6 +17,7 @@ from pack_motion.clearance.separation import separations
 from pack_motion.controller import MotionController
 from pack_motion.move_monitor import StuckDetector
 from pack_motion.rmpflow.spheres import box_distance
+from pack_motion.setpoint_stream import StreamConfig
 from pack_motion.tracking.config import MotionSet, motion_set
 from unit.pack_motion.loop import PERIOD, Loop, pose
 
@@ -93,8 +94,12 @@ def test_who_runs_at_the_arm_does_not_reach_it_before_it_stands(
     assert np.all(loop.accelerations <= 1.001)
 
 
-def test_the_arm_goes_evenly_past_somebody_who_is_seen_now_and_then(arm: MotionArm) -> None:
-    """The age of an observation counts, yet the arm does not hurry after each and brake before the next."""
+@pytest.mark.parametrize("late", [LATE, LATE + StreamConfig().horizon])
+def test_the_arm_goes_evenly_past_somebody_who_is_seen_now_and_then(arm: MotionArm, late: float) -> None:
+    """The age of an observation counts, yet the arm does not hurry after each and brake before the next.
+
+    In the motion node it is older, as setpoints are ahead by the horizon.
+    """
     loop = Loop(arm)
     loop.run(MotionTarget(1, Path((PoseMove(OVER),))))
     first = len(loop.v)
@@ -102,7 +107,7 @@ def test_the_arm_goes_evenly_past_somebody_who_is_seen_now_and_then(arm: MotionA
     seen, step = person(1.25, 1.3), 0
     while loop.controller.status().state is not MotionState.REACHED:
         if step % EVERY == 0:
-            loop.controller.observe([seen], loop.time - LATE)
+            loop.controller.observe([seen], loop.time - late)
         loop.step()
         step += 1
         assert loop.controller.margin.value >= 0.0 or not loop.controller.is_under_way
@@ -215,6 +220,21 @@ def test_a_stop_is_not_slowed_down_by_who_is_near(arm: MotionArm) -> None:
 
     near = replace(person(0.0, 0.0), X_WO=Pose(np.array([0.5, 0.5, 0.9])))
     assert stopped(near) == stopped()
+
+
+def test_the_margin_is_measured_in_a_stop_and_is_nobody_s_while_the_arm_is_held(arm: MotionArm) -> None:
+    loop = Loop(arm)
+    loop.controller.command(MotionTarget(1, Path((PoseMove(OVER),))))
+    while loop.time < 0.5:
+        loop.step()
+    loop.controller.stop()
+    loop.controller.observe([person(*OVER.p[:2])])
+    loop.step()
+    assert loop.controller.is_under_way
+    assert loop.controller.margin.who == "person"
+    assert loop.controller.margin.value < loop.controller.margin.distance
+    loop.controller.hold("the driver holds the arm")
+    assert not loop.controller.margin.who
 
 
 def test_keeping_clear_has_more_patience_than_being_stuck() -> None:

@@ -11,7 +11,7 @@ from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.palletizing.orders.stack import Stack, stack_of
 from pack_core.palletizing.orders.support import SupportConfig, support_of
 from pack_core.palletizing.orders.tipping import TippingConfig, tipping_boxes
-from pack_planner.layout.place_search import Needs, PlaceCosts, Room, costs_of, places_of, stands
+from pack_planner.layout.place_search import STEP, Needs, PlaceCosts, Room, costs_of, places_of, stands
 
 ROOM = Room(*palletizing_cell().pallet.size, 1.0, 0.002)
 SUPPORT = SupportConfig()
@@ -79,3 +79,17 @@ def test_room_is_lost_over_a_box_on_which_nothing_may_stand() -> None:
     costs = PlaceCosts(dead=60.0)
     np.testing.assert_allclose(costs_of(stack, size, False, places, ROOM, costs), 60.0 * lost)
     np.testing.assert_array_equal(costs_of(stack, size, True, places, ROOM, costs), 0.0)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_places_beside_a_box_that_stands_anywhere_are_beside_it(seed: int) -> None:
+    """On all four sides, and at the far border, on the ground."""
+    rng = np.random.default_rng(seed)
+    p, size = np.array([*rng.uniform(0.35, 0.4, 2), 0.0]), rng.uniform(0.2, 0.3, 3)
+    stack, _ = stack_of([PlacedBox("box", p, size, 1.0)])
+    places = places_of(stack, size, ROOM)
+    on_ground = places[places[:, 2] == 0.0]
+    for k, length in enumerate((ROOM.length, ROOM.width)):
+        wished = p[k] + size[k] + ROOM.gap, p[k] - ROOM.gap - size[k], length - size[k]
+        for at in (at for at in wished if 0.0 <= at <= length - size[k]):
+            assert np.abs(on_ground[:, k] - at).min() < STEP

@@ -82,7 +82,7 @@ class InverseKinematics(ABC):
         return int(shoulder < 0.0), int(elbow < 0.0), int(flip < 0.0)
 
     def solve(self, X_WT: Pose) -> dict[Branch, Array]:
-        """Joint positions `(6,)` in (-pi, pi] that bring the tool to a pose, limits aside, by branch."""
+        """Joint positions `(6,)` in [-pi, pi) that bring the tool to a pose, limits aside, by branch."""
         rows, found = self._solutions(X_WT)
         return {branch: rows[i] for i, branch in enumerate(BRANCHES) if found[i]}
 

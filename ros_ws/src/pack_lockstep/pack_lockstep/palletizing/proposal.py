@@ -123,17 +123,18 @@ class PalletSearch:
         Where no packing passes all checks, as many boxes are left out of the best one, the last placed first,
         as it takes for the rest to pass.
         """
-        best: Packing | None = None
+        best: tuple[Packing, list[str]] | None = None
         for more in PUSHES:
             packings = self._packings(items, more)
             for packing in packings[:MOST_TESTS]:
                 proposal, refusals = self._judged(packing)
                 if proposal is not None:
                     return proposal, []
-            best = packings[0] if packings else best
+                if packing is packings[0]:
+                    best = packing, refusals
         if best is None:
             return None, [f"{self.name}: none of {len(items)} boxes finds a place on the pallet"]
-        return self._begun(best, refusals)
+        return self._begun(*best)
 
     def _packings(self, items: Sequence[Item], more: float) -> list[Packing]:
         """Packings whose boxes withstand so much more than is configured, the best first."""

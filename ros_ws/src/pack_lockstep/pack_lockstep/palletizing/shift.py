@@ -47,7 +47,7 @@ class BoxStreamConfig(Config):
     """What comes, and for how long."""
 
     pallets: PositiveInt = Field(2, description="a stream ends when so many are closed")
-    max_pressure: PositiveFloat | None = Field(None, description="on any box's top [kPa]; none: any")
+    max_pressure: PositiveFloat | None = Field(None, description="on any box's top [kPa]; none: as listed")
     fragile: float = Field(0.0, ge=0, le=1, description="share of boxes on which nothing may stand")
 
 

@@ -181,6 +181,9 @@ IN_LINE = 1e-4
 """Directions that differ by less count as equal [rad]."""
 SHORTEST = 1e-6
 """Shorter lines are left out [m]."""
+REVERSAL = 0.2
+"""A line back that differs by less from the opposite direction is not rounded into [rad]: the tool would
+creep round so narrow a corner, and a stop is faster."""
 
 
 @dataclass(frozen=True)
@@ -239,11 +242,12 @@ def _straight(X_start: Pose, X_end: Pose, cut_start: float, cut_end: float) -> S
 
 
 def _cut(poses: Sequence[Pose], line: Line) -> float:
-    """Length that the corner cuts off both lines [m]: at most half of the shorter line."""
+    """Length that the corner cuts off both lines [m]: at most half of the shorter line, 0 at a reversal."""
     if not line.blend or not line.exit_speed or _is_in_line(poses):
         return 0.0
     turns = [_turn_of(poses[0], poses[1]), _turn_of(poses[1], poses[2])]
-    lengths = [float(np.linalg.norm(b.p - a.p)) for a, b in ((poses[0], poses[1]), (poses[1], poses[2]))]
+    before, after = poses[1].p - poses[0].p, poses[2].p - poses[1].p
+    lengths = float(np.linalg.norm(before)), float(np.linalg.norm(after))
     cut = min(line.blend, 0.5 * min(lengths))
     # Where the turn takes longer than the way, its length is not that of the way.
     is_quick = RADIUS * max(float(np.linalg.norm(turn)) for turn in turns) > 1.0 - IN_LINE
@@ -252,7 +256,8 @@ def _cut(poses: Sequence[Pose], line: Line) -> float:
             f"'{line.label}' is blended though the tool turns along it or after it, not slowly and evenly "
             "along both; set blend to 0"
         )
-    return cut
+    is_reversal = before @ after < -np.cos(REVERSAL) * lengths[0] * lengths[1]
+    return 0.0 if is_reversal else cut
 
 
 def _corner(poses: Sequence[Pose], cut: float, line: Line, after: Line, segment: int) -> CurveSegment:

@@ -162,24 +162,37 @@ def line_run(
         LineRefused: the lines leave the arm's reach, a joint's range or the branch of the inverse
             kinematics, or pass too near to a singular posture.
     """
+    wished = np.array([segment.limits.acceleration for segment in run])
     for _ in range(SOFTENINGS + 1):
         speeds = border_speeds([segment.limits for segment in run], entry_speed)
         times, rates, ways, points, owners = _timed(run, speeds)
         q = _joint_positions(arm, points, ways, q_start)
-        v, a = arm.joint_rates(times, q, *_tool_rates(points, rates))
+        try:
+            v, a = arm.joint_rates(times, q, *_tool_rates(points, rates))
+        except np.linalg.LinAlgError as error:
+            raise LineRefused("the line passes a singular posture", 0.0) from error
         excess = np.abs(a / limits.acceleration).max(axis=1)
         if excess.max() <= 1.0:
             break
+        # What was softened counts too; unbounded, it makes rows without end of a start in a singular posture.
+        softenings = wished / np.array([segment.limits.acceleration for segment in run])
+        _check_slowings(np.sqrt(excess * softenings[owners]), ways)
         run = _softened(run, owners, excess)
     segments = np.array([segment.index for segment in run])[owners]
     slowings = _slowings(v, a, limits)
+    _check_slowings(slowings, ways)
+    slow = float(slowings.max())
+    return ReferenceTrajectory(slow * times, q, v / slow, a / slow**2, segments)
+
+
+def _check_slowings(slowings: Array, ways: Array) -> None:
+    """Refuse lines of which a row `(T,)` would take too many times longer; `ways` are its arc lengths [m]."""
     slow = float(slowings.max())
     if not slow < LARGEST_SLOWING:  # written so that nan is refused too
         raise LineRefused(
             f"the line passes so near to a singular posture that it would take {slow:.0f} times longer",
             float(ways[np.argmin(slowings < LARGEST_SLOWING)]),
         )
-    return ReferenceTrajectory(slow * times, q, v / slow, a / slow**2, segments)
 
 
 def _softened(

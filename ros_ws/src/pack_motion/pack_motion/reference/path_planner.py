@@ -13,7 +13,7 @@ from pack_core.motion.moves import SLOW_SPEED, JointMove, Line, Mode, Path, Pose
 from pack_core.robots.joint_properties import step_effort
 from pack_core.rotations import Array, Pose
 from pack_motion.arm.arm import MotionArm
-from pack_motion.reference.curve import curve_segments
+from pack_motion.reference.curve import JERK_TIME, curve_segments
 from pack_motion.reference.joint_move import MoveLimits, brake, joint_move
 from pack_motion.reference.line_run import BranchFollower, line_run
 from pack_motion.reference.trajectory import JointState, MoveRefused, ReferenceTrajectory
@@ -188,19 +188,28 @@ class PathPlanner:
 
         Joints that go on in the same direction do not stop. After Fritsch and Carlson, "Monotone piecewise
         cubic interpolation", 1980: half the harmonic mean of both average velocities, and zero where they
-        differ in sign.
+        differ in sign. No joint is faster than it can become, and stop again, within the shorter of both
+        moves; else it would swing back first. In SLOW it is a stop: the tool's speed there has a limit.
         """
+        moves = segments[i - 1], segments[i]
+        assert not any(isinstance(move, Line) for move in moves)
+        if any(move.mode is Mode.SLOW for move in moves):
+            return JointState.at_rest(q)
         goals = self._goals(JointState.at_rest(q), segments, i)
         if not goals:
             raise MoveRefused(f"'{segments[i].label}': the pose is out of reach")
+        limits = self._limits.scaled(
+            min(move.speed for move in moves), min(move.acceleration for move in moves)
+        )
         before, after = q - start.q, goals[0] - q
-        rates = [
-            step / max(float((np.abs(step) / self._limits.velocity).max()), 1e-9) for step in (before, after)
-        ]
+        rates = [step / max(float((np.abs(step) / limits.velocity).max()), 1e-9) for step in (before, after)]
         are_alike = rates[0] * rates[1] > 0.0
         total = np.where(are_alike, rates[0] + rates[1], 1.0)
         v = np.where(are_alike, rates[0] * rates[1] / total, 0.0)
-        return JointState(q, v, np.zeros(len(q)))
+        # From rest to v takes a way of v / 2 (v / a + JERK_TIME), or less; see `change_length`.
+        shorter, half = np.minimum(np.abs(before), np.abs(after)), 0.5 * JERK_TIME
+        fastest = limits.acceleration * (np.sqrt(half**2 + 2.0 * shorter / limits.acceleration) - half)
+        return JointState(q, np.clip(v, -fastest, fastest), np.zeros(len(q)))
 
     def _within(self, move: JointMove) -> Array:
         q, arm = np.asarray(move.q, dtype=float), self._arm

@@ -45,8 +45,8 @@ class ProtectiveSeparation(Config):
         description="by which everybody may be seen to be faster next time, for the noise of speeds [m/s]"
     )
     oldest: PositiveFloat = Field(
-        description="age of an observation when the next one comes: the arm gets faster only as far as the "
-        "distance is kept until then [s]"
+        description="age of an observation, at the time of the setpoint, when the next one comes: the arm "
+        "gets faster only as far as the distance is kept until then [s]"
     )
     blind: PositiveFloat = Field(
         description="age of the newest observation at which the arm stops, as if the sensor were dead [s]"

@@ -74,7 +74,7 @@ class Pursuit(ABC):
 class ShapedPursuit(Pursuit):
     """The reference moves along the plan, waits for a tool that is held up, and keeps clear of people.
 
-    A `stop` is carried out at full rate: nothing ends it sooner.
+    A `stop` is carried out at full rate: nothing ends it sooner. Its margin is measured all the same.
     """
 
     def __init__(
@@ -91,7 +91,9 @@ class ShapedPursuit(Pursuit):
     ) -> tuple[JointState, JointState, Array | None]:
         """See `Pursuit`."""
         before, rate = self._state, self.rate
-        if not self._is_stop:
+        if self._is_stop:
+            self._monitor.rate(h, self.plan.trajectory, self._time, (rate, rate, rate), q, seen)
+        else:
             self.rate = self._next_rate(h, deviation, q, seen)
         self._time = min(self._time + 0.5 * h * (rate + self.rate), self.plan.trajectory.duration)
         planned, self.segment = self.plan.trajectory.at(self._time)

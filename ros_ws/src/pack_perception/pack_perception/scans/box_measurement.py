@@ -44,7 +44,8 @@ class MeasuredBox:
     """What a scan tells of a box on a table.
 
     Attributes:
-        X_WB: its pose, its origin in its middle, x along its longer level edge, z up; None: nothing is there.
+        X_WB: its pose, its origin in its middle, x along its longer level edge, or either if they
+            are nearly equal, z up; None: nothing is there.
         size: its edges along x, y and z `(3,)` [m]; zeros where nothing is there.
         sigma: standard deviation of the level edges, about twice that of repeated scans `(2,)` [m].
         doubt: why this may be no box, in words; empty where it is one.
@@ -78,7 +79,7 @@ def measure_box(rays: Rays, table: Obstacle, spacing: float, config: BoxMeasurem
     if is_top.sum() < least:
         return MeasuredBox(None, np.zeros(3), np.zeros(2), "what is on the table has no level top")
     # Rays from above the middle cross the plane of the top before they go on to what is beside the box.
-    start, way = table.X_WO.inverse().apply(rays.p_W), ends_T - table.X_WO.inverse().apply(rays.p_W)
+    start = table.X_WO.inverse().apply(rays.p_W)
     start[2] -= 0.5 * table.size[2]
     way = ends_T - start
     points = start[:2] + ((top - start[2]) / way[:, 2])[:, None] * way[:, :2]
@@ -102,8 +103,8 @@ def _rectangle(points: Array, is_on: Flags) -> tuple[Array, Array]:
     """The rectangle that best parts points `(n, 2)` on the top from those beside it.
 
     Returns:
-        x, y, yaw and half its edges, the longer first `(5,)` [m, m, rad, m, m], and the standard deviation
-        of the half edges `(2,)` [m].
+        x, y, yaw and half its edges `(5,)` [m, m, rad, m, m], and the standard deviation of the half edges
+        `(2,)` [m]. The longer one is first, but either may be where they are nearly equal.
     """
     (x, y), (length, width), angle = cv2.minAreaRect(points[is_on].astype(np.float32))
     if length < width:

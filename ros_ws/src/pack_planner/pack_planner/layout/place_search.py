@@ -31,6 +31,11 @@ from pack_core.rotations import Array
 TOUCHING = 0.003
 """Sides that are nearer than the gap and this much touch, by the rule of the most touching area [m]."""
 
+STEP = 1e-4
+"""Places are on a grid of this step, so that those that differ by rounding are one [m]."""
+SAME = 1e-3
+"""A place that is off the grid by less than this share of a step is on it."""
+
 
 class Room(NamedTuple):
     """Where boxes may stand.
@@ -112,8 +117,12 @@ def places_of(stack: Stack, size: Array, room: Room) -> Array:
 @numba.njit(cache=True)
 def _coordinates(lower: Array, upper: Array, edge: float, length: float, gap: float) -> Array:
     """Where a box may begin along one axis: at a border, flush with a box, or a gap beside one."""
-    borders = np.array([0.0, length - edge])
-    wished = np.concatenate((borders, lower, upper - edge, upper + gap, lower - gap - edge))
+    # A place beside a box is rounded away from it, as nearer than the gap it is one on top; one at the far
+    # border inwards.
+    after = STEP * np.ceil((upper + gap) / STEP - SAME)
+    before = np.append(lower - gap, length) - edge
+    before = STEP * np.floor(before / STEP + SAME)
+    wished = np.concatenate((np.zeros(1), lower, upper - edge, after, before))
     rounded = np.unique(np.round(wished, 4))
     return rounded[(rounded >= -TOUCH) & (rounded + edge <= length + TOUCH)]
 

@@ -33,7 +33,7 @@ def box_stream(
     Args:
         items: from which boxes are drawn.
         seed: of the stream.
-        max_pressure: on any box's top [kPa]; None: any.
+        max_pressure: on any box's top [kPa]; None: as listed.
         fragile: share of boxes on which nothing may stand.
     """
     rng, number = np.random.default_rng(seed), 0
@@ -42,6 +42,6 @@ def box_stream(
         listed = items[int(rng.integers(len(items)))]
         limits = {
             "max_load": 0.0 if rng.random() < fragile else listed.max_load,
-            "max_pressure": max_pressure,
+            "max_pressure": listed.max_pressure if max_pressure is None else max_pressure,
         }
         yield listed.model_copy(update={"id": f"{number}-{listed.article}"[:64], **limits}), listed
