@@ -24,10 +24,10 @@ RISE = SPEED / 1.5
 
 
 def start_pallet_sim(
-    graph: Graph, factor: float = SLOW, make: type[PalletSimNode] = PalletSimNode
+    graph: Graph, factor: float = SLOW, make: type[PalletSimNode] = PalletSimNode, **parameters: object
 ) -> PalletSimNode:
     """The simulator, once it is heard and hears the probe."""
-    node = graph.start(make, **{"real_time_factor": factor, "camera.width": 640})
+    node = graph.start(make, **{"real_time_factor": factor, "camera.width": 640, **parameters})
     graph.probe.listen(*SENSORS, contracts.BOXES, contracts.CONTACTS, shared.DIAGNOSTICS)
     graph.wait_until(lambda: all(graph.probe.last(contract) for contract in (*SENSORS, contracts.BOXES)))
     graph.connect(motion.SETPOINTS)

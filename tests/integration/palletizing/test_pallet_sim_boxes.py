@@ -132,6 +132,19 @@ def test_a_triggered_picture_follows_with_its_time_and_the_intrinsics(
     np.testing.assert_allclose(info.k[[0, 4]], f)
 
 
+def test_a_frame_that_is_lost_to_the_last_picture_is_made_up_for_by_a_later_one(
+    graph: Graph, drawing: HeldDrawing
+) -> None:
+    sim = start_pallet_sim(graph, **{"camera.rate": 20.0})
+    graph.probe.listen(contracts.IMAGE)
+    for _ in range(2):  # the second frame comes while the first picture is still being drawn
+        assert graph.call(contracts.TRIGGER, Trigger.Request()).success
+        asked = sim.simulator.time
+        graph.wait_until(lambda: newest_joints(graph).time > asked + 0.06)  # noqa: B023
+    drawing.begins.set()
+    graph.wait_until(lambda: len(graph.probe.mail[contracts.IMAGE.name]) == 2, timeout=60.0)
+
+
 def test_a_picture_does_not_hold_up_the_physics(graph: Graph, drawing: HeldDrawing) -> None:
     """Clock ticks go on while a picture is drawn."""
     start_pallet_sim(graph)

@@ -92,6 +92,22 @@ def test_a_strange_block_that_comes_while_a_plan_is_carried_out_is_planned_aroun
     assert [len(problem.obstacles) for problem in problems] == [0, 1, 1]
 
 
+@pytest.mark.usefixtures("compiled")
+def test_a_strange_block_that_is_taken_away_meanwhile_is_planned_without() -> None:
+    retreats: list[int] = []
+
+    def sighting(poses: Mapping[str, PlanarPose]) -> BlockSighting:
+        strange = with_stranger(PlanarPose(0.6, 0.2, 0.3))
+        return BlockSighting(0.0, poses) if len(retreats) > 1 else strange(poses)
+
+    table = Table(scattered(), beam, sighting=sighting, after=lambda _: retreats.append(0))
+    outcome = table.run(APART)
+    assert outcome.success, outcome.message
+    assert outcome.tally.disturbances == 1
+    problems = [request.problem for request in table.asked if isinstance(request, PlanFor)]
+    assert [len(problem.obstacles) for problem in problems] == [1, 0, 0]
+
+
 def test_a_tag_on_something_that_is_no_block_ends_the_task_with_its_number() -> None:
     outcome = Table(scattered(), sighting=lambda poses: BlockSighting(0.0, poses, unknown=(7,))).run(APART)
     assert outcome.exit_reason is ExitReason.NOT_SEEN

@@ -61,6 +61,16 @@ def test_the_collision_list_has_what_the_sampled_pose_overlaps_in_the_settled_sc
     assert planned.collisions == there.collisions
 
 
+def test_in_an_empty_container_it_costs_nothing_to_be_in_nobodys_way() -> None:
+    empty = EXAMPLE.model_copy(update={"objects": []})
+    state = SceneState(0.0, {EXAMPLE.new_object.name: ObjectState(HELD)})
+    planner = LiteralPlanner(empty.description(), packing_cell(), PlacementConfig(samples=5))
+    planned = planner.plan(state, np.random.default_rng(0))
+    assert planned.X_WO is not None
+    assert planned.collisions == ()
+    assert np.isfinite(planned.samples.costs).all()
+
+
 def test_the_way_in_is_straight_down_onto_the_packing_pose(planned: PlannedPlacement) -> None:
     assert planned.X_WO is not None
     # also where that is right beside a wall

@@ -133,7 +133,8 @@ class Executor:
         before, self.action = self._skills.seen, action
         refusal = yield from self._carry_out(action)
         yield from self._skills.look()
-        if gone := sorted(before.keys() - self._skills.seen.keys()):
+        # Blocks without a goal may be taken away: the rest is planned anew without them.
+        if gone := sorted((before.keys() & self._task.goals.keys()) - self._skills.seen.keys()):
             raise Ended(ExitReason.NOT_SEEN, f"no longer in the cell: {', '.join(gone)}; was it reset?")
         self.action = None
         return refusal is None and self._verify(action, before, self._skills.seen)

@@ -53,7 +53,7 @@ class LiteralPlanner:
 
     def _costs(self, samples: PlacementSamples, poses: dict[str, Pose]) -> Array:
         """Eq. 6 `(S,)`: the displacements of the objects in the container, and beta times K (line 9)."""
-        others = np.array([[*poses[name].p, *poses[name].q] for name in samples.names[:-1]])
+        others = np.array([[*poses[name].p, *poses[name].q] for name in samples.names[:-1]]).reshape(-1, 7)
         moved = self._evaluation.disturbance(others, samples.scenes[:, :-1])
         states = (self._evaluation.at_rest(scene) for scene in samples.scenes)
         K = np.array([self._evaluation.penetration(state, resting=0.0) for state in states])

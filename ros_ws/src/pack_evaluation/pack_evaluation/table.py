@@ -93,8 +93,8 @@ def number(unit: str, digits: int = 2, factor: float = 1.0) -> Callable[[float],
 
 
 def mean_and_max(unit: str, digits: int = 3) -> Callable[[tuple[float, float]], str]:
-    """A function that formats a pair of mean and largest value with their unit."""
-    return lambda pair: f"{pair[0]:.{digits}f}, {pair[1]:.{digits}f} {unit}"
+    """A function that formats a pair of mean and largest value with their unit; NaN becomes a dash."""
+    return lambda pair: "-" if pair[0] != pair[0] else f"{pair[0]:.{digits}f}, {pair[1]:.{digits}f} {unit}"
 
 
 def optional_number(value: float | None, digits: int = 2, factor: float = 1.0) -> str:

@@ -1,6 +1,7 @@
 """Recordings of the blocks cell."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,14 +10,17 @@ import pytest
 
 from pack_core.blocks import topics
 from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.problem import BlockSize, Problem
 from pack_core.blocks.problem_file import load_problem, parse_problem
 from pack_core.errors import BagError
 from pack_core.motion.topics import JOINT_STATES
 from pack_core.paths import config_path
 from pack_core.robots.ur10e import JOINTS
+from pack_evaluation.blocks import evaluator
 from pack_evaluation.blocks.from_bag import FIELDS, PROBLEM_FILE, load_blocks_run, problem_of, read_result
 from pack_evaluation.blocks.measures import measure
 from pack_evaluation.goals import GoalNumber
+from pack_evaluation.table import measure_rows
 from unit.pack_evaluation.packing.messages import header, make, pose, write_bag
 
 EXAMPLE = config_path("scenarios", "blocks", "example.yaml")
@@ -98,6 +102,25 @@ def test_a_recorded_goal_becomes_arrays_and_measures(tmp_path: Path) -> None:
     assert (measures.pictures, measures.unclear, measures.plans) == (1, 1, 0)
     assert measures.seen_mm[1] == pytest.approx(2.0)
     assert measure(load_blocks_run(tmp_path)).error_mm == pytest.approx(dict.fromkeys(run.problem.goals, 0.0))
+
+
+def test_plans_are_drawn_with_blocks_as_large_as_they_are(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[Problem] = []
+    monkeypatch.setattr(evaluator, "write_plan", lambda problem, plan, path: drawn.append(problem))
+    write_bag(tmp_path, a_goal(2.0))
+    run = load_blocks_run(tmp_path)
+    first, *others = run.problem.blocks
+    large = replace(first, size=BlockSize(0.04, 0.07, 0.05))
+    evaluator.draw(replace(run, problem=replace(run.problem, blocks=(large, *others))), tmp_path)
+    assert [problem.sizes[first.id] for problem in drawn] == [large.size]
+
+
+def test_without_pictures_nothing_is_said_of_perception(tmp_path: Path) -> None:
+    write_bag(tmp_path, [row for row in a_goal(2.0) if row[1] != topics.BLOCK_POSES])
+    rows = {row.name: row.value for row in measure_rows(measure(load_blocks_run(tmp_path)))}
+    assert (rows["perceived centre"], rows["perceived yaw"]) == ("-", "-")
 
 
 def test_a_topic_that_nobody_sent_is_named(tmp_path: Path) -> None:

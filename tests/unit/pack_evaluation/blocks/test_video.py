@@ -1,3 +1,4 @@
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -42,6 +43,14 @@ def test_a_view_shows_what_was_recorded_for_a_moment(run: BlocksRun) -> None:
         first, still, later = (view.picture(time).astype(int) for time in (0.0, 0.5, 1.5))
     assert np.abs(first - still).max() == 0
     assert np.abs(first - later).max() > 50
+
+
+def test_blocks_that_the_goal_does_not_name_are_drawn_too(run: BlocksRun) -> None:
+    first, _ = run.problem.blocks
+    some = replace(run.problem, blocks=(first,), goals={first.id: run.problem.goals[first.id]})
+    with RunView(run, (320, 240)) as view, RunView(replace(run, problem=some), (320, 240)) as other:
+        difference = view.picture(0.0).astype(int) - other.picture(0.0).astype(int)
+    assert np.abs(difference).max() == 0
 
 
 def test_a_strip_has_a_picture_for_each_moment(run: BlocksRun, tmp_path: Path) -> None:

@@ -42,6 +42,15 @@ def test_a_box_that_the_next_one_pushes_is_a_shift() -> None:
     assert max(shifts_mm(a_run(tracks={**run.tracks, "a": track("a", pushed)}))) == pytest.approx(3.0)
 
 
+def test_the_way_down_of_a_box_that_was_interrupted_is_no_shift() -> None:
+    run = a_run()
+    lowered = {0.0: [0.0, 0.0, 0.15], 21.0: [0.0, 0.0, 0.0]}
+    pushed = {0.0: [-2.0, 2.0, 0.5], 10.0: [0.0, 0.0, 0.0], 20.5: [0.0, 0.003, 0.0]}
+    visits = (*run.visits[:4], StateVisit("17 pre deposit", 20.8, "b"), run.visits[4])
+    tracks = {"a": track("a", pushed), "b": track("b", lowered)}
+    assert shifts_mm(a_run(visits=visits, tracks=tracks)) == pytest.approx((3.0,))
+
+
 def test_a_lost_box_is_a_drop_and_spoils_the_order() -> None:
     run = a_run()
     lost = BoxRecord("b", (0.4, 0.3, 0.2), 5.0, "none", "lost", "shear", "Center", run.boxes[1].X_WB)

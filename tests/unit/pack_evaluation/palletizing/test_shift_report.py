@@ -57,6 +57,14 @@ def test_boxes_faults_and_waits_are_counted() -> None:
     assert report["state_s"]["3 grasp"] == pytest.approx((9.9 + 2.0 + 4.9 + 2.0) / 2)
 
 
+def test_the_time_in_which_a_shift_was_interrupted_counts_nowhere() -> None:
+    report = shift_report(WrittenShift({}, EVENTS))
+    # From 10 s to 512 s, less the time from 37 s to 500 s; 7 s of it nothing was in work.
+    assert report["duration_s"] == pytest.approx(39.0)
+    assert report["boxes_per_hour"] == pytest.approx(3600 * 2 / 39.0)
+    assert report["utilisation"] == pytest.approx(1.0 - 7.0 / 39.0)
+
+
 def test_pallets_are_those_taken_away_and_those_that_stand() -> None:
     taken, stands = built_pallets(EVENTS)
     assert (taken.taken, [box.box for box in taken.boxes]) == (37.0, ["a"])

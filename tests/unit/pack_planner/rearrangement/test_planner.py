@@ -135,6 +135,39 @@ def test_blocks_that_bar_each_others_grasps_are_pushed_out(make) -> None:
     assert verify(problem, made) == []
 
 
+@pytest.mark.parametrize(("yaw", "symmetry"), [(np.pi / 2, 1), (np.pi / 2, 2), (np.pi, 1), (np.pi / 2, 4)])
+def test_blocks_pushed_out_lying_across_their_goals_end_as_these_ask(yaw: float, symmetry: int, make) -> None:
+    """A push turns no block, so that one pushed out still has the yaw of its start."""
+    starts = {"a": (16.9, 51.9), "b": (-51.9, 16.9), "c": (-16.9, -51.9), "d": (51.9, -16.9)}
+    turned = {name: (*place, yaw) for name, place in starts.items()}
+    goals = {name: (60 * i - 100, -200) for i, name in enumerate("abcd")}
+    problem = make(turned, goals, symmetry=symmetry)
+    made = plan(problem, budget_s=20.0, config=SHORT)
+    assert isinstance(made.actions[0], Push)
+    assert verify(problem, made) == []
+
+
+@pytest.mark.parametrize("yaw", [np.pi / 2, np.pi])
+def test_a_block_pushed_out_towards_its_goal_is_pushed_home_only_with_the_goals_yaw(yaw: float, make) -> None:
+    """The way out of its start, where it cannot be grasped, is on the push line of its goal."""
+    start = PlanarPose(0.0, 0.0, yaw)
+    problem = make({"a": start.row}, {"a": (100, 0)})
+    ways = [PickPlace("a", start, problem.goals["a"], grasp) for grasp in (0, 1)]
+    without = replace(problem, refused=tuple(primitives_of(way)[0] for way in ways))
+    made = plan(without, budget_s=20.0, config=SHORT)
+    assert isinstance(made.actions[0], Push)
+    assert verify(without, made) == []
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(("yaw", "symmetry"), [(0.5, 1), (np.pi / 2, 1), (np.pi, 1), (0.5, 4)])
+def test_a_block_at_its_goal_is_turned_on_the_spot(method: str, yaw: float, symmetry: int, make) -> None:
+    problem = make({"a": (0, 0, yaw)}, {"a": (0, 0)}, symmetry=symmetry)
+    made = plan(problem, method=method, budget_s=20.0, config=SHORT)
+    assert len(made.actions) == 1
+    assert verify(problem, made) == []
+
+
 def test_interlocked_blocks_are_parted_before_the_grid_bars_its_way() -> None:
     """Three blocks beside the grid hold each other; with the grid's near side filled none can be pushed."""
     problem = make_instance(25, 0.2, 74)

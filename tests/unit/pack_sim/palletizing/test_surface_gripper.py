@@ -89,6 +89,18 @@ def test_a_closing_pad_takes_hold_as_soon_as_it_is_near_enough() -> None:
     assert rig.simulator.gripper.is_closed
 
 
+def test_what_is_not_held_cannot_slip() -> None:
+    rig = over_box(height=0.0005)
+    gripper = rig.simulator.gripper
+    gripper.slip()
+    rig.wait(0.02)
+    assert gripper.is_open
+    gripper.close()
+    rig.wait(0.1)
+    assert gripper.is_closed
+    assert gripper.state.load.coaxial > -1e3  # the weld still bears a load, so that it can be measured
+
+
 def test_a_pad_over_an_edge_does_not_seal() -> None:
     rig = over_box(height=0.002, aside=0.13)
     rig.simulator.gripper.close()

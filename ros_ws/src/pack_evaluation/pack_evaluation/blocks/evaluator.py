@@ -20,7 +20,7 @@ def draw(run: BlocksRun, folder: Path) -> list[Path]:
     for number, plan in enumerate(run.plans, 1):
         first = {action.block: action.start for action in reversed(plan.actions)}
         blocks = tuple(
-            PlacedBlock(b.id, first.get(b.id, run.problem.goals[b.id])) for b in run.problem.blocks
+            PlacedBlock(b.id, first.get(b.id, run.problem.goals[b.id]), b.size) for b in run.problem.blocks
         )
         problem = replace(run.problem, blocks=blocks)
         drawn.append(write_plan(problem, plan, folder / f"plan_{number}.png"))

@@ -10,6 +10,7 @@ import numpy as np
 
 from pack_core.blocks.cell import blocks_cell
 from pack_core.blocks.model import block_name, build_model
+from pack_core.blocks.problem import CUBE
 from pack_core.bodies import set_object_poses
 from pack_core.camera import Picture
 from pack_core.drawing.renderer import ModelView, orbit_camera
@@ -35,8 +36,11 @@ class RunView(ModelView):
 
     def __init__(self, run: BlocksRun, size: tuple[int, int]) -> None:
         self._run, cell = run, blocks_cell()
-        tags = {block.id: number for number, block in enumerate(run.problem.blocks)}
-        super().__init__(build_model(cell, tags, run.problem.sizes, timestep=0.001, visuals=True), *size)
+        # A goal may name only some of the blocks in the cell; of the others no size was recorded.
+        others = dict.fromkeys((name for name in run.truth if name not in run.problem.sizes), CUBE)
+        sizes = {**run.problem.sizes, **others}
+        tags = {name: number for number, name in enumerate(sizes)}
+        super().__init__(build_model(cell, tags, sizes, timestep=0.001, visuals=True), *size)
         # At the side of the work area, over the table's edge.
         self._camera = orbit_camera((*cell.workspace.centre, 0.12), 1.25, 145.0, -32.0)
 

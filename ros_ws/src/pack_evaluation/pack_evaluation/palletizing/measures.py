@@ -186,7 +186,9 @@ def shifts_mm(run: PalletRun) -> tuple[float, ...]:
     Boxes are compared between the moments at which one box and the next come down, so that the fall of a
     box from the gripper onto its place is not counted.
     """
-    moments = [(visit.time, visit.box) for visit in run.visits if visit.state == CLEAR_STATE]
+    downs = [(visit.time, visit.box) for visit in run.visits if visit.state == CLEAR_STATE]
+    # A box whose way down was interrupted comes down from the first of its moments on.
+    moments = [now for before, now in pairwise([(0.0, ""), *downs]) if now[1] != before[1]]
     moments.append((float(run.tool.times[-1]), ""))
     found: list[float] = []
     placed: list[str] = []

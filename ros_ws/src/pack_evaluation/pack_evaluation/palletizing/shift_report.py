@@ -18,15 +18,15 @@ from pack_core.palletizing.shift_journal import SETTLED, EventKind, ShiftEvent, 
 
 HOUR = 3600.0
 """In seconds."""
-"""Names of the places on which boxes count as palletized."""
 
 
 def shift_report(shift: WrittenShift) -> dict[str, Any]:
     """The measures of a shift as plain values.
 
     `boxes_per_hour` counts boxes put down on pallets, from the first box that came to the last that was put
-    down. `waits_s` is the time in which no box was in work: for a box to come and be measured, or for an
-    empty pallet. `state_s` is the time in each state, a box on a pallet.
+    down, without the time in which the shift was interrupted. `waits_s` is the time in which no box was in
+    work: for a box to come and be measured, or for an empty pallet. `state_s` is the time in each state, a
+    box on a pallet.
     """
     events = shift.events
     put_down = [event for event in events if event.kind is EventKind.PUT_DOWN]
@@ -34,7 +34,7 @@ def shift_report(shift: WrittenShift) -> dict[str, Any]:
     came = [event for event in events if event.kind is EventKind.CAME]
     decided = [event for event in events if event.kind is EventKind.DECIDED]
     steps = Counter(event.data["step"] for event in decided)
-    duration = put_down[-1].time - came[0].time if put_down and came else 0.0
+    duration = _duration(events, came[0].time, put_down[-1].time) if put_down and came else 0.0
     states, waits = _times(events)
     handling = Counter(event.data["handling"] for event in on_pallets)
     return {
@@ -58,6 +58,13 @@ def shift_report(shift: WrittenShift) -> dict[str, Any]:
         "state_s": {state: float(np.sum(times)) / max(1, len(on_pallets)) for state, times in states.items()},
         "pallets": [_pallet(pallet) for pallet in built_pallets(events)],
     }
+
+
+def _duration(events: Sequence[ShiftEvent], start: float, end: float) -> float:
+    """Time from `start` to `end` [s] without interruptions: from an event to a later beginning."""
+    during = [event for event in events if start <= event.time <= end]
+    gaps = (now.time - before.time for before, now in pairwise(during) if now.kind is EventKind.BEGAN)
+    return end - start - sum(gaps)
 
 
 def _reason(events: Sequence[ShiftEvent]) -> str:

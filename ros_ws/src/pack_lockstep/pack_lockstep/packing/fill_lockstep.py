@@ -42,6 +42,7 @@ class FillResult:
 
     Attributes:
         report: what the job itself saw.
+        given: number of objects of the list.
         fill: how full the container truly is.
         inside: names of the objects that truly are in it.
         outside: names of objects that are neither in it nor where they were handed over.
@@ -49,6 +50,7 @@ class FillResult:
     """
 
     report: FillReport
+    given: int
     fill: Fill
     inside: tuple[str, ...]
     outside: tuple[str, ...]
@@ -65,7 +67,7 @@ class FillResult:
         rows = self.report.objects
         return {
             "without_fault": not self.faults, "faults": self.faults, "objects": len(self.inside),
-            "given": len(rows), "base_area": self.fill.base_area, "volume": self.fill.volume,
+            "given": self.given, "base_area": self.fill.base_area, "volume": self.fill.volume,
             "durations": [row.duration for row in rows if row.name in self.inside],
             "force": self.force_peak,
             "fills": [[time, fill.base_area, fill.volume] for time, fill in self.report.fills],
@@ -95,6 +97,7 @@ class FillLockstep:
         sense: Sense | None = None,
     ) -> None:  # fmt: skip
         self._physical, self._config, self._method, self._seed = cell, config, method, seed
+        self._given = len(given.objects)
         self.cell = LockstepCell(cell, given.start(cell), config, seed, sense or (lambda *_: None))
         self.simulator = self.cell.simulator
         self._planner = FillPlanner(config.planner.arrangement, method, given.order)
@@ -129,7 +132,7 @@ class FillLockstep:
             if name not in inside and np.linalg.norm(X_WO.p[:2] - place) > NEAR_HAND_OVER
         )
         fill = fill_of(scene.container, [(scene.model_of(name), poses[name]) for name in inside])
-        return FillResult(self.job.report, fill, inside, outside, self._force_peak)
+        return FillResult(self.job.report, self._given, fill, inside, outside, self._force_peak)
 
     def _observe(self, answer: object | None) -> FillObservation:
         seen = self._look()

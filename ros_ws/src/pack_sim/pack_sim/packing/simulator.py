@@ -167,8 +167,9 @@ class Simulator:
         """Measured external force `(3,)` [N] and torque `(3,)` [N m] on the held object.
 
         They are given in the frame of site `tip`, at the middle of the held object's top and with the axes of
-        the object N, without the object's described weight. If nothing is held, they are what presses on the
-        cup, in the axes of an object that would hang upright from it.
+        the object N. The force is without the object's described weight; the torque has the weight's moment
+        about the site in it. If nothing is held, they are what presses on the cup, in the axes of an object
+        that would hang upright from it.
         """
         if not self.pump.state.is_closed:
             pressure = self._physics.cup_pressure() if self._is_handed_over else np.zeros(3)

@@ -92,8 +92,9 @@ class PalletSimNode(PhysicsNode):
     def advance(self) -> float:
         self._publisher.step(self._simulator)
         if self._exposure is not None and self._simulator.time >= self._exposure:
-            self._exposure = None
-            self._camera.expose(self._simulator.snapshot())
+            is_exposed = self._camera.expose(self._simulator.snapshot())
+            # A frame that comes while the last picture is still being drawn is lost; the next one is taken.
+            self._exposure = None if is_exposed else self._exposure + 1.0 / self._config.camera.rate
         if (seen := self._sensor.observe(self._simulator.time)) is not None:
             self._publisher.publish_obstacles(seen)
         return self._publisher.period

@@ -20,7 +20,10 @@ OVERLAP = 0.001
 
 
 class Physics:
-    """Model and data; the model is built anew when a box comes or goes, and all other state is copied over.
+    """Model and data; the model is built anew when a box comes or goes.
+
+    The state of the arm, the boxes that stay and the grip is then copied over. What is set before every step,
+    the belts' velocities and the gears' torques, is not.
 
     Args:
         cell: the cell's physical facts.

@@ -183,8 +183,11 @@ class SurfaceGripper:
         self._failure = reason
 
     def slip(self) -> None:
-        """Lose the box after the next step without noticing it, as with a vacuum sensor that is stuck."""
-        self._has_slipped = True
+        """Lose the box after the next step without noticing it, as with a vacuum sensor that is stuck.
+
+        Does nothing if no box is held.
+        """
+        self._has_slipped = self.state.is_closed
 
     def update(self, model: mujoco.MjModel, data: mujoco.MjData, boxes: list[str]) -> None:
         """Carry out the last command after a step, with the positions and forces of that step."""

@@ -68,7 +68,7 @@ SCENE = Contract(
     rate=hz(topics.MARKER_RATE), recorded=True)
 WRENCH = Contract(
     topics.WRENCH, WrenchStamped, ("sim",), ("mpc", "recorder", "user"),
-    "force and torque on the suction cup, less the held object's weight, in the frame `tip`",
+    "force on the suction cup, less the held object's weight, and torque, in the frame `tip`",
     qos=STREAM, rate=hz(topics.WRENCH_RATE), recorded=True)
 WRENCH_ZEROED = Contract(
     topics.WRENCH_ZEROED, Header, ("sim",), ("mpc", "recorder", "user"),

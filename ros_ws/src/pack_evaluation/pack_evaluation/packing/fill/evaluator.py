@@ -27,7 +27,7 @@ class FillMeasures:
     success: Annotated[
         bool, MeasureText("all packed", yes_or_no, "every object of the list is in the container")
     ]
-    packed: Annotated[int, MeasureText("packed", str, "objects that truly are in the container")]
+    packed: Annotated[int, MeasureText("packed", str, "objects of the list that truly are in the container")]
     given: Annotated[int, MeasureText("given", str, "objects of the list")]
     faults: Annotated[int, MeasureText("faults", str, "objects dropped or outside, and force stops")]
     base_area: Annotated[
@@ -49,9 +49,9 @@ class FillMeasures:
 
 def measure(run: FillRun) -> FillMeasures:
     """Everything that is measured of the job, as the benchmark measures it."""
-    packed, durations, fill = len(run.truth.inside), run.durations, run.truth.fill
+    packed, given, durations, fill = len(run.packed), len(run.given), run.durations, run.truth.fill
     return FillMeasures(
-        packed == run.given, packed, run.given, len(run.faults), fill.base_area, fill.volume,
+        packed == given, packed, given, len(run.faults), fill.base_area, fill.volume,
         float(np.mean(durations)) if durations else float("nan"), run.force_peak,
     )  # fmt: skip
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from pack_core import stamps
 from pack_core.errors import BagError
 from pack_core.packing.free_space import Fill, fill_of, is_packed
 from pack_core.packing.model import parked_pose
@@ -17,7 +18,7 @@ from pack_core.packing.scene import Scene
 from pack_core.packing.topics import DESCRIPTION, FILL_PROGRESS, FILL_RESULT, JOINT_STATES, TRUTH, WRENCH
 from pack_core.robots.packing_arms import arm_of
 from pack_core.rotations import Array
-from pack_evaluation.bag import fitting, read_bag, result_in, times_of
+from pack_evaluation.bag import Bag, fitting, read_bag, result_in, times_of
 from pack_evaluation.goals import RecordedRun
 from pack_evaluation.packing.force import low_pass
 from pack_evaluation.packing.from_bag import magnitudes
@@ -41,16 +42,21 @@ class FillRun(RecordedRun):
     Attributes:
         run: the cell over the job's time, with all objects that were ever in it.
         report: fields of `/fill_container/result`; of a job that was cut off, those of its last progress.
-        given: number of objects of the list.
+        given: names of the objects of the list.
         truth: how the job truly ended.
         force_peak: largest external force, behind a low-pass of 5 ms [N].
     """
 
     run: Run
     report: Mapping[str, Any]
-    given: int
+    given: frozenset[str]
     truth: TrueEnd
     force_peak: float
+
+    @property
+    def packed(self) -> list[str]:
+        """Names of the objects of the list that truly are in the container, which others may be in, too."""
+        return [name for name in self.truth.inside if name in self.given]
 
     @property
     def faults(self) -> list[str]:
@@ -84,13 +90,16 @@ def load_fill_run(path: Path) -> FillRun:
             f"{bag.path} has no message on {', '.join(missing)}{bag.reason('') and ': ' + bag.reason('')}"
         )
     with fitting(path):
-        report = result_in(reports[-1].message.data, path)
-        scene = _all_objects([Scene.from_yaml(m.data, DESCRIPTION) for m in bag.of(DESCRIPTION)])
+        told = [result_in(item.message.data, path) for item in reports]
+        report = told[-1]
+        start, is_ended = float(report["start"]), reports[-1].topic == FILL_RESULT
+        given = _given([earlier for earlier in told if earlier["start"] == report["start"]])
+        job = _since(bag, start)
+        scene = _all_objects([Scene.from_yaml(m.data, DESCRIPTION) for m in job.of(DESCRIPTION)])
         joints, wrenches = bag.of(JOINT_STATES), bag.of(WRENCH)
         times, force_times, force = times_of(joints), times_of(wrenches), magnitudes(wrenches)
-        seen = recorded_tracks(bag.of(TRUTH))
+        seen = recorded_tracks(job.of(TRUTH))
         paths = {name: seen.get(name, track_of(())) for name in (*scene.names, scene.new_object.name)}
-        start, is_ended = float(report["start"]), reports[-1].topic == FILL_RESULT
         end = float(report["fills"][-1][0]) if is_ended else float(times[-1])
         if not is_ended:
             report = {"exit_reason": "", "message": "the recording ends before the job", **report}
@@ -99,14 +108,30 @@ def load_fill_run(path: Path) -> FillRun:
             estimate={}, joint_times=times, joints=np.array([message.position for message in joints]),
             force_times=force_times, force=force, outcome=dict(report), arm=arm_of(joints[0].name).name,
         )  # fmt: skip
-        to_come = [*report.get("to_come", []), *filter(None, [report.get("object", "")])]
-        given = len({*(row["name"] for row in report["objects"]), *to_come})
         during = (force_times >= start) & (force_times <= end)
         peak = report.get("force_peak", np.max(low_pass(force_times, force)[during], initial=0.0))
         return FillRun(
             run, report, given, true_end(scene, paths, end), float(peak), is_cut=bag.is_cut,
             damaged=bag.damaged, notes=bag.notes,
         )  # fmt: skip
+
+
+def _given(reports: Sequence[Mapping[str, Any]]) -> frozenset[str]:
+    """Names of the objects of a job's list, from all that the node reported of the job.
+
+    The result of a job that ends early lacks the objects that were still to come; the progress has them.
+    """
+    handled = {row["name"] for report in reports for row in report["objects"]}
+    to_come = {name for report in reports for name in (*report.get("to_come", ()), report.get("object", ""))}
+    return frozenset(filter(None, handled | to_come))  # between two objects `object` is empty
+
+
+def _since(bag: Bag, start: float) -> Bag:
+    """The recording from `start` [s] on, and the description of the cell that held then."""
+    since = [item for item in bag.messages if item.time_ns >= stamps.to_ns(start)]
+    until = bag.messages[: len(bag.messages) - len(since)]
+    held = [item for item in until if item.topic == DESCRIPTION][-1:]
+    return replace(bag, messages=(*held, *since))
 
 
 def _all_objects(descriptions: Sequence[Scene]) -> Scene:

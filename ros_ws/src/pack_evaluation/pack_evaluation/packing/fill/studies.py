@@ -33,8 +33,8 @@ def read_recording(path: Path) -> Mapping[str, Any]:
     """The last fill job of a recording as a trial, named by the recording's path."""
     run = load_fill_run(path)
     return {
-        "name": str(path), "without_fault": not run.faults, "objects": len(run.truth.inside),
-        "given": run.given, "base_area": run.truth.fill.base_area, "volume": run.truth.fill.volume,
+        "name": str(path), "without_fault": not run.faults, "objects": len(run.packed),
+        "given": len(run.given), "base_area": run.truth.fill.base_area, "volume": run.truth.fill.volume,
         "durations": run.durations, "force": run.force_peak, "fills": run.report["fills"],
     }  # fmt: skip
 

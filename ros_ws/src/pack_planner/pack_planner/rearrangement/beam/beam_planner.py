@@ -10,7 +10,7 @@ import numpy.typing as npt
 from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt, model_validator
 
 from pack_core.blocks.plan import Action, Push
-from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.planar import PlanarPose, turn_between
 from pack_core.config import Config
 from pack_core.rotations import Array
 from pack_planner.rearrangement.beam.search import Beam, root_state, run_round
@@ -156,8 +156,10 @@ def to_actions(snapped: SnappedProblem, tables: Tables, moves: Iterable[BlockMov
     actions: list[Action] = []
     for move in moves:
         for action, spot in _actions_of(snapped, tables, move, poses[move.block], spots[move.block]):
-            poses[move.block], spots[move.block] = action.end, spot
-            if action.start.distance_to(action.end) > STRAIGHT:
+            spots[move.block] = spot
+            turn = turn_between(action.start, action.end, snapped.problem.symmetry)
+            if action.start.distance_to(action.end) > STRAIGHT or abs(turn) > STRAIGHT:
+                poses[move.block] = action.end
                 actions.append(action)
     return actions
 

@@ -230,6 +230,13 @@ class PushesOut:
     spots: Ints
     pushes: Pushes
 
+    def is_own_end(self, spots: int) -> npt.NDArray[np.bool_]:
+        """Where a block is that was pushed out of its start, of so many spots `(n, spots)`."""
+        blocks = np.repeat(np.arange(len(self.first) - 1), np.diff(self.first))
+        is_own = np.zeros((len(self.first) - 1, spots), dtype=bool)
+        is_own[blocks, self.spots] = True
+        return is_own
+
 
 def stages(snapped: SnappedProblem) -> Pushes:
     """Pushes into the goals `(n, M)` from staging poses, the nearest first from all sides."""
@@ -257,10 +264,12 @@ def _lengths_into_goals(snapped: SnappedProblem) -> Array:
     return np.unique(np.minimum([*short, *long, np.inf], gripper.max_push))
 
 
-def pushes_from_spots(snapped: SnappedProblem, poses: Array, shapes: Array) -> tuple[Ints, Pushes]:
+def pushes_from_spots(
+    snapped: SnappedProblem, poses: Array, shapes: Array, is_own_end: npt.NDArray[np.bool_]
+) -> tuple[Ints, Pushes]:
     """Rows of pushes that lead from spots `(Q, 3)` to the blocks' goals `(n, Q)`, and these pushes `(L,)`.
 
-    The spots are for blocks of shapes `(Q, 3)`.
+    The spots are for blocks of shapes `(Q, 3)`; those of `is_own_end` `(n, Q)` are where pushes out end.
     """
     goals, gripper = snapped.goals[:, None], snapped.gripper
     cosine, sine = np.cos(goals[..., 2]), np.sin(goals[..., 2])
@@ -273,11 +282,19 @@ def pushes_from_spots(snapped: SnappedProblem, poses: Array, shapes: Array) -> t
     # Of starts and goals only the starts that were snapped to a push line count as on it.
     is_line[:, :POOL] = False
     is_line[:, : snapped.n] = np.diag(snapped.is_ready)
+    # A push turns no block: one that was pushed out still has the yaw of its start.
+    is_line &= ~is_own_end | ~_is_turned(snapped)[:, None]
     block, spot = np.nonzero(is_line)
     push_of = np.full(is_line.shape, -1, dtype=np.int32)
     push_of[block, spot] = np.arange(len(block))
     headings = np.arctan2(dy, dx)[block, spot]
     return push_of, Pushes(snapped.goals[block], headings, length[block, spot], snapped.shapes[block])
+
+
+def _is_turned(snapped: SnappedProblem) -> npt.NDArray[np.bool_]:
+    """Which blocks have another yaw at their starts than their goals ask for `(n,)`."""
+    turns = wrapped(snapped.goals[:, 2] - snapped.starts[:, 2], 2 * np.pi / snapped.problem.symmetry)
+    return np.asarray(np.abs(turns) > STRAIGHT)
 
 
 def fits(snapped: SnappedProblem, shapes: Array) -> npt.NDArray[np.bool_]:

@@ -127,7 +127,8 @@ def build_tables(snapped: SnappedProblem, pool: BufferPool, push_price: PushPric
     _, stage_place = _grasps_at(snapped, stage.starts, stage.shapes, blocks)
     stage_place[~are_inside(stage.starts, stage.shapes, snapped.half_planes)] = EVERYTHING
     stage_push = stage.hits(snapped, blocks)
-    push_of, from_spots = pushes_from_spots(snapped, poses, shapes)
+    is_own_end = out.is_own_end(len(poses))
+    push_of, from_spots = pushes_from_spots(snapped, poses, shapes, is_own_end)
     placed = place[GOAL : GOAL + snapped.n]
     into_place, into_push = _ways_into_goals(placed, stage_place, stage_push)
     planes, upper_planes, split = _assembly(into_place, into_push)
@@ -137,7 +138,7 @@ def build_tables(snapped: SnappedProblem, pool: BufferPool, push_price: PushPric
         pick=pick,
         place=place,
         denied=_turned_round(place),
-        swap=_swaps(snapped, poses),
+        swap=_swaps(snapped, poses) & ~is_own_end,  # there a block has its start's axes
         is_symmetric=snapped.problem.symmetry == 4,
         stage=stage.starts,
         stage_place=stage_place,
