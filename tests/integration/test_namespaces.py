@@ -86,7 +86,8 @@ def test_a_move_and_a_stop_of_one_cell_are_not_heard_in_the_other(graph: Graph, 
             return not listener.unready(["sim", "motion"])
 
         assert listener.spin_until(heard, 60.0)
-    assert cell_nodes_here(graph.context.get_domain_id(), "/right") == {"sim", "motion"}
+    # A node is known on its machine from the first turn of its executor on.
+    graph.wait_until(lambda: cell_nodes_here(graph.context.get_domain_id(), "/right") == {"sim", "motion"})
     left, right = lookers["/left"], lookers["/right"]
     rest = right.joints.q
     goal = left.joints.q.copy()

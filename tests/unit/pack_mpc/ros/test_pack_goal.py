@@ -68,7 +68,7 @@ def test_entries_are_rehearsed_unless_the_machine_is_too_busy(
     asked: list[PlanPlacement.Request] = []
     client = client_of(lambda sent: asked.append(sent) or Future())
     client.is_sparing = is_sparing
-    task = SimpleNamespace(lean=0.0, tried=[], avoid=[], avoid_radius=0.02)
+    task = SimpleNamespace(lean=0.0, answers=0, avoid=[], avoid_radius=0.02)
     session = SimpleNamespace(needs_placement=lambda scene: True, task=task, method=method)
     with patch("pack_mpc.ros.pack_goal.to_scene", return_value=SceneState()):
         client.serve(session, MagicMock())
