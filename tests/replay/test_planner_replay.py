@@ -49,7 +49,7 @@ def test_a_placement_that_was_taken_up_is_the_last_that_was_planned_before() -> 
     p_WT = np.where(is_new[:, None], done.p_WT + 0.03, done.p_WT)
     two = replace(run, iterations=replace(done, placements=np.where(is_new, 2.0, 1.0), p_WT=p_WT))
     start, early, taken, late = done.times[0] - 0.01, *done.times[[new - 9, new - 5, new + 3]]
-    first, second = requests(two, [start, early, taken, late])
+    first, second = requests(two, [start, early, early, taken, late])  # one was sent again
     assert first.planned_for == start
     assert first.tried.size == 0
     assert second.planned_for == taken

@@ -47,13 +47,14 @@ def found_in(points: Array, described: PinholeCamera) -> Registration:
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_a_camera_is_found_where_it_truly_hangs(seed: int) -> None:
-    seen, true = seen_by(0.0015, 0.1, seed)
+    seen, true = seen_by(0.002, 0.1, seed)
     for points, described, camera in zip(seen, CELL.depth.cameras(), true, strict=True):
         found = found_in(points, described)
         corrected = found.applied_to(described).X_WC
         # what counts is where it puts the container
         assert (corrected @ camera.X_WC.inverse()).apply(MIDDLE) == pytest.approx(MIDDLE, abs=0.0005)
-        assert found.is_within(CONFIG)
+        off = (described.X_WC @ camera.X_WC.inverse()).apply(MIDDLE) - MIDDLE
+        assert found.is_within(CONFIG) == (np.linalg.norm(off) < CONFIG.shift)
 
 
 @pytest.mark.parametrize("seed", [4, 5, 6])

@@ -147,18 +147,6 @@ def test_blocks_pushed_out_lying_across_their_goals_end_as_these_ask(yaw: float,
     assert verify(problem, made) == []
 
 
-@pytest.mark.parametrize("yaw", [np.pi / 2, np.pi])
-def test_a_block_pushed_out_towards_its_goal_is_pushed_home_only_with_the_goals_yaw(yaw: float, make) -> None:
-    """The way out of its start, where it cannot be grasped, is on the push line of its goal."""
-    start = PlanarPose(0.0, 0.0, yaw)
-    problem = make({"a": start.row}, {"a": (100, 0)})
-    ways = [PickPlace("a", start, problem.goals["a"], grasp) for grasp in (0, 1)]
-    without = replace(problem, refused=tuple(primitives_of(way)[0] for way in ways))
-    made = plan(without, budget_s=20.0, config=SHORT)
-    assert isinstance(made.actions[0], Push)
-    assert verify(without, made) == []
-
-
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(("yaw", "symmetry"), [(0.5, 1), (np.pi / 2, 1), (np.pi, 1), (0.5, 4)])
 def test_a_block_at_its_goal_is_turned_on_the_spot(method: str, yaw: float, symmetry: int, make) -> None:
@@ -190,8 +178,10 @@ def test_plans_do_without_what_the_arm_refused(seed: int) -> None:
         assert any("refused" in fault for fault in verify(without, made))
 
 
-def test_a_block_that_the_arm_cannot_grasp_is_pushed_out(make) -> None:
-    start = PlanarPose(0.0, 0.0, 0.3)
+@pytest.mark.parametrize("yaw", [0.3, np.pi / 2, np.pi])
+def test_a_block_that_the_arm_cannot_grasp_is_pushed_out(yaw: float, make) -> None:
+    """Towards its goal, into which it may be pushed on only with the goal's yaw."""
+    start = PlanarPose(0.0, 0.0, yaw)
     problem = make({"a": start.row}, {"a": (100, 0)})
     ways = [PickPlace("a", start, problem.goals["a"], grasp) for grasp in (0, 1)]
     without = replace(problem, refused=tuple(primitives_of(way)[0] for way in ways))

@@ -120,7 +120,8 @@ def requests(run: Run, planned_for: Sequence[float]) -> Iterator[Request]:
         before = times[times < done.times[first]]
         if not before.size:
             raise BagError(f"the recording has no message of {SETTLED_SAMPLES} before placement {n + 1}")
-        answers = int(np.count_nonzero(before > run.start - LATEST_SCENE)) - 1
+        # a request whose answer was lost is sent again, for the same scene and with the same seed
+        answers = np.unique(before[before > run.start - LATEST_SCENE]).size - 1
         yield Request(
             float(before[-1]), answers, done.p_WT[firsts[:n]], done.p_WT[first], done.collisions[first]
         )

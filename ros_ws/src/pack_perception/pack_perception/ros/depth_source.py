@@ -159,7 +159,7 @@ class DepthSource:
         silent = ", ".join(self._names[i] for i in self._pairing.silent)
         self._node.health.faults.pop("cameras", None)
         if silent:
-            self._node.health.faults["cameras"] = f"{silent} brings no images; the others go on without"
+            self._node.health.faults["cameras"] = f"{silent} brings no images; the others go on without it"
 
 
 def _are_alike(one: PinholeCamera, other: PinholeCamera) -> bool:

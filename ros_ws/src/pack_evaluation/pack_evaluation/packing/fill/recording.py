@@ -55,7 +55,7 @@ class FillRun(RecordedRun):
 
     @property
     def packed(self) -> list[str]:
-        """Names of the objects of the list that truly are in the container, which others may be in, too."""
+        """Names of the objects of the list that truly are in the container; others may be in it, too."""
         return [name for name in self.truth.inside if name in self.given]
 
     @property
