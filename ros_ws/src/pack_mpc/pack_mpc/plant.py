@@ -81,13 +81,15 @@ class PackingPlant:
 
     Attributes:
         scene: the scene with the objects that are in the model; `include` changes which.
+        arm: the cell's arm.
+        bent: limits of its joints within which the elbow stays bent, see `ArmDrive.bent`.
         watch: called with states and outputs of every batch of rollouts.
     """
 
     def __init__(
         self, scene: Scene, cell: PackingCell, *, timestep: float, threads: int, arm: ArmRole = ArmRole.DRIVEN
     ) -> None:
-        self.arm = cell.robot.arm
+        self.arm, self.bent = cell.robot.arm, cell.robot.bent
         self.timestep = timestep
         self.watch: Callable[[Array, Array], None] = lambda xs, ys: None
         self._whole, self._threads = scene, threads

@@ -50,6 +50,33 @@ def test_a_bent_iiwa_has_its_flange_where_plane_geometry_puts_it() -> None:
     np.testing.assert_allclose(data.site("flange").xpos, expected, atol=1e-9)
 
 
+@pytest.mark.parametrize(("arm", "angle"), [(PANDA, -0.467), (IIWA14, 0.0)])
+def test_the_straight_arm_has_its_wrist_farthest_from_the_shoulder(arm: SevenAxisArm, angle: float) -> None:
+    q4 = np.linspace(arm.limits.lower[3], arm.limits.upper[3], 3001)
+    farthest = q4[np.argmax([reach(arm, at) for at in q4])]
+    assert arm.straight == pytest.approx(farthest, abs=1e-3)
+    assert arm.straight == pytest.approx(angle, abs=1e-3)
+
+
+def reach(arm: SevenAxisArm, q4: float) -> float:
+    """From the origin of link 2, the shoulder, to that of link 6, the wrist [m]."""
+    model, data = posed(arm, np.array([0.0, 0.0, 0.0, q4, 0.0, 0.0, 0.0]))
+    shoulder, wrist = (data.xpos[model.body(f"{arm.name}_link{i}").id] for i in (2, 6))
+    return float(np.linalg.norm(wrist - shoulder))
+
+
+@pytest.mark.parametrize("name", PACKING_ARMS)
+def test_the_elbow_stays_bent_to_the_side_of_the_home_pose(name: str) -> None:
+    drive = packing_cell().with_arm(name).robot
+    straight = drive.arm.straight
+    lower, upper = drive.bent
+    assert lower[3] < drive.home[3] < upper[3] < straight
+    other = drive.model_copy(update={"home": (*drive.home[:3], straight + 0.3, *drive.home[4:])})
+    assert other.bent[0][3] == pytest.approx(straight + 0.25)
+    for bent, limits in zip(drive.bent, (drive.arm.limits.lower, drive.arm.limits.upper), strict=True):
+        np.testing.assert_allclose(np.delete(bent, 3), np.delete(limits, 3))
+
+
 @pytest.mark.parametrize("arm", ARMS, ids=lambda arm: arm.name)
 def test_an_arm_in_the_cell_has_the_joints_and_limits_of_its_data(arm: SevenAxisArm) -> None:
     cell = packing_cell().with_arm(arm.name)

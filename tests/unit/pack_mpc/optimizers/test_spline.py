@@ -49,3 +49,23 @@ def test_the_lead_of_a_reference_far_ahead_is_limited(plant, joints, state) -> N
     ahead[plant.layout.q] = q[0, 0]
     lead = plant.held_position(ahead) - plant.held_position(x0)
     assert np.linalg.norm(lead) == pytest.approx(0.04, abs=3e-3)
+
+
+def test_a_twist_out_of_reach_leaves_the_elbow_bent(plant, joints, state) -> None:
+    """Two steps of half a second away from the base, as the arm would stretch and flip its elbow."""
+    q, out = joints.q, np.tile([1.0, 0.0, 0.3, 0.0, 0.0, 0.0], (1, 50, 1))
+    for _ in range(4):
+        q = ResolvedRateServo(plant, q, q, leash=0.04).references(out, 0.012)[0][0, -1]
+    assert q[3] == pytest.approx(plant.bent[1][3])
+    back = ResolvedRateServo(plant, q, q, leash=0.04).references(-out, 0.012)[0][0, -1]
+    assert back[3] < q[3] - 0.5
+
+
+def test_a_stretched_elbow_is_bent_again_at_a_rate(plant, joints) -> None:
+    q, bent = joints.q.copy(), plant.bent[1][3]
+    q[3] = bent + 0.2
+    servo = ResolvedRateServo(plant, q, q, leash=0.04)
+    references, v = servo.references(np.tile([0.4, 0.0, 0.0, 0.0, 0.0, 0.0], (1, 50, 1)), 0.012)
+    np.testing.assert_allclose(references[0, :, 3], np.maximum(q[3] - TIMES, bent))
+    assert v[0, 1:, 3].max() <= 0.0
+    assert v[0, :, 1].min() > 0.0

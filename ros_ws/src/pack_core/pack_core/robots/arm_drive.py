@@ -9,12 +9,15 @@ from pydantic import Field, field_validator, model_validator
 
 from pack_core.config import Config
 from pack_core.robots.packing_arms import PACKING_ARMS
-from pack_core.robots.seven_axis_arm import SevenAxisArm
+from pack_core.robots.seven_axis_arm import ELBOW, SevenAxisArm
+from pack_core.rotations import Array
 
 Joints = Annotated[tuple[float, ...], Field(min_length=7, max_length=7)]
 
 GUIDED_ARMATURE = 1e4
 """Inertia added to joints that contacts shall not move [kg m^2]; the arm's own is a few kg m^2."""
+BENT = 0.25
+"""By how much the elbow stays bent [rad]. Of the Panda's reach of 0.72 m this takes 6 mm."""
 
 
 class ArmDrive(Config):
@@ -48,6 +51,21 @@ class ArmDrive(Config):
     def arm(self) -> SevenAxisArm:
         """The arm's kinematics, inertias and limits."""
         return PACKING_ARMS[self.model]
+
+    @property
+    def bent(self) -> tuple[Array, Array]:
+        """Lower and upper limits `(7,)` [rad] within which the elbow stays bent to the side of the home pose.
+
+        Beyond the straight arm the Panda's elbow has 0.4 rad to its limit. An arm that follows twists gets in
+        there, and does not get out: at the straight arm no twist bends the elbow.
+        """
+        limits, straight = self.arm.limits, self.arm.straight
+        lower, upper = limits.lower.copy(), limits.upper.copy()
+        if self.home[ELBOW] < straight:
+            upper[ELBOW] = min(upper[ELBOW], straight - BENT)
+        else:
+            lower[ELBOW] = max(lower[ELBOW], straight + BENT)
+        return lower, upper
 
     @field_validator("model")
     @classmethod

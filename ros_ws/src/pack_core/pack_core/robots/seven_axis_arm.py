@@ -9,8 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import mujoco
+import numpy as np
 
 from pack_core.robots.joint_properties import JointLimits
+from pack_core.rotations import Pose
 
 Colour = tuple[float, float, float, float]
 Capsule = tuple[float, tuple[float, ...]]
@@ -18,6 +20,8 @@ Capsule = tuple[float, tuple[float, ...]]
 
 AXES = 7
 """Number of the arm's joints, and of its links without the base."""
+ELBOW = 3
+"""Index of joint 4, the elbow."""
 UNROTATED = (1.0, 0.0, 0.0, 0.0)
 """No turn, as a quaternion wxyz."""
 _S = 0.7071067811865476
@@ -99,6 +103,17 @@ class SevenAxisArm:
     def joints(self) -> tuple[str, ...]:
         """Names of the joints from the base on, as they appear in models and messages."""
         return self.limits.names
+
+    @property
+    def straight(self) -> float:
+        """Position of joint 4 [rad] at which the wrist is farthest from the shoulder: the singular elbow.
+
+        Joints 1 to 3 meet in the shoulder, the origin of link 2, and joints 5 to 7 turn the wrist, the origin
+        of link 6, which is on joint 5's axis. About joint 4 the two are opposite to one another there.
+        """
+        X_23, X_34, X_45, X_56 = (Pose(np.array(link.pos), np.array(link.quat)) for link in self.links[2:6])
+        p_4S, p_4W = (X_23 @ X_34).inverse().p, (X_45 @ X_56).p
+        return float(np.arctan2(-p_4S[1], -p_4S[0]) - np.arctan2(p_4W[1], p_4W[0]))
 
     def add_to(self, spec: mujoco.MjSpec, *, gravcomp: bool = True) -> mujoco.MjsBody:
         """Add the arm at the world's origin.

@@ -14,6 +14,8 @@ from pack_mpc.plant import PackingPlant
 
 NULL_SPACE_RATE = 0.5
 """Rate at which the redundant motion returns to the middle of its range [1/s], slow against the horizon."""
+BENDING_RATE = 1.0
+"""Rate at which an elbow that is stretched too far is bent again [rad/s]."""
 LEAD_MIN = 1e-9
 """Guards the division by the lead of a reference that stands where the arm does [m]."""
 
@@ -72,7 +74,8 @@ class ResolvedRateServo:
 
         dq/dt = J^+ V + k (I - J^+ J) (q_middle - q)
 
-    whose last term uses the seventh joint, which the twist leaves free; q is the integral.
+    whose last term uses the seventh joint, which the twist leaves free; q is the integral, within limits that
+    keep the elbow bent (`ArmDrive.bent`).
 
     Args:
         plant: the model with servos.
@@ -83,6 +86,7 @@ class ResolvedRateServo:
 
     def __init__(self, plant: PackingPlant, q: Array, q_ref: Array, leash: float) -> None:
         self._limits = plant.arm.limits
+        self._q, self._bent = q, plant.bent
         self._J = plant.held_jacobian(q)
         self._inverse = damped_inverse(self._J)
         self._posture = NULL_SPACE_RATE * (np.eye(7) - self._inverse @ self._J) @ (self._limits.middle - q)
@@ -94,7 +98,13 @@ class ResolvedRateServo:
         v = np.clip(twists @ self._inverse.T + self._posture, -limits.velocity, limits.velocity)
         # The integral up to the beginning of each step: v itself is what happens during the step.
         q = self._start + timestep * (np.cumsum(v, axis=1) - v)
-        return np.clip(q, limits.lower, limits.upper), v
+        # An elbow that is stretched further than that is bent again at a rate, not at once.
+        back = BENDING_RATE * timestep * np.arange(q.shape[1])[:, None]
+        lower = np.maximum(limits.lower, np.minimum(self._bent[0], self._q + back))
+        upper = np.minimum(limits.upper, np.maximum(self._bent[1], self._q - back))
+        # A velocity that leads on out of the limits would push there against the position.
+        v = np.where(q < lower, np.maximum(v, 0.0), np.where(q > upper, np.minimum(v, 0.0), v))
+        return np.clip(q, lower, upper), v
 
 
 def _limited(lead: Array, J: Array, limit: float) -> Array:
