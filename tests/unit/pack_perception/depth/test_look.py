@@ -19,7 +19,7 @@ from pack_perception.depth.look import SeenShape, look_at, off_container
 from pack_perception.depth.seen_region import overlap
 from pack_perception.depth.sight_lines import SightLines
 from pack_perception.perception_config import DepthLookConfig, HeightMapConfig
-from pack_sim.packing.depth_cameras import CameraRays
+from pack_sim.packing.camera_rays import CameraRays
 
 CELL = packing_cell()
 CONTAINER = CELL.scene.container
@@ -31,7 +31,10 @@ ROLL = Capsule(name="roll", mass=0.1, shape="capsule", radius=0.02, length=0.12,
 
 
 def seen(items: Sequence[ObjectModel], places: Sequence[tuple[float, float, float]]) -> SightLines:
-    """What the cameras measure, without errors, of objects at x, y and yaw."""
+    """What the cameras measure of objects at x, y and yaw, with errors of a micrometre.
+
+    Without any, points of the walls' inner faces would fall inside or outside in rows, as they are rounded.
+    """
     scene = CELL.scene.model_copy(update={"objects": list(items)})
     model = build_model(scene, CELL, timestep=0.001, arm=ArmRole.ABSENT, held=HeldRole.ABSENT)
     data = mujoco.MjData(model)
@@ -43,6 +46,7 @@ def seen(items: Sequence[ObjectModel], places: Sequence[tuple[float, float, floa
     mujoco.mj_forward(model, data)
     cameras = CELL.depth.cameras()
     images = np.stack([CameraRays(camera).cast(model, data).depth for camera in cameras])
+    images *= 1.0 + 1e-6 * np.random.default_rng(0).standard_normal(images.shape)
     return SightLines(cameras, images, CONFIG.behind)
 
 

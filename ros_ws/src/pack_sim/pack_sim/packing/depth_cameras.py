@@ -4,66 +4,19 @@ from __future__ import annotations
 
 import zlib
 from collections import deque
-from dataclasses import dataclass
 
 import cv2
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from pack_core.camera import PinholeCamera
 from pack_core.packing.depth import DepthCameras, DepthFrame, DepthNoise
-from pack_core.rotations import Array, Pose, exp, multiply, rotate
+from pack_core.rotations import Array, Pose, exp, multiply
+from pack_sim.packing.camera_rays import CameraRays, RayImage
+from pack_sim.packing.depth_errors import PixelErrors, with_errors
 
-REACH = 2.0
-"""Nothing farther away is measured [m]."""
 ROUNDING = 1e-9
 """Tolerance when simulated times are compared [s]."""
-
-Mask = npt.NDArray[np.bool_]
-
-
-@dataclass(frozen=True)
-class RayImage:
-    """What the pixels of a camera meet, without errors.
-
-    Attributes:
-        depth: along the optical axis `(height, width)` [m]; 0 where a pixel meets nothing.
-        cosine: of the angle of incidence `(height, width)`.
-        geoms: ids of the geoms that they meet `(height, width)`; -1 for nothing.
-    """
-
-    depth: Array
-    cosine: Array
-    geoms: npt.NDArray[np.int32]
-
-
-class CameraRays:
-    """The rays of a camera's pixels, which stay the same as long as it hangs where it does.
-
-    Args:
-        camera: the camera, as it truly hangs.
-    """
-
-    def __init__(self, camera: PinholeCamera) -> None:
-        v, u = np.indices((camera.height, camera.width))
-        x, y = (u - camera.c[0]) / camera.f, (v - camera.c[1]) / camera.f
-        rays_C = np.stack([x, y, np.ones(u.shape)], axis=-1)
-        self._origin, self._lengths = camera.X_WC.p, np.linalg.norm(rays_C, axis=-1)
-        self._directions = rotate(camera.X_WC.q, (rays_C / self._lengths[..., None]).reshape(-1, 3))
-
-    def cast(self, model: mujoco.MjModel, data: mujoco.MjData) -> RayImage:
-        """What the rays meet as the physics stands."""
-        shape, n, rays = self._lengths.shape, self._lengths.size, self._directions
-        distances, geoms, normals = np.empty(n), np.empty(n, dtype=np.int32), np.empty((n, 3))
-        mujoco.mj_multiRay(
-            model, data, self._origin, rays.ravel(), None, True, -1, geoms, distances, normals.ravel(), n,
-            REACH,
-        )  # fmt: skip
-        is_hit = distances >= 0.0
-        depth = np.where(is_hit, distances, 0.0).reshape(shape) / self._lengths
-        cosine = np.where(is_hit, -np.einsum("ij,ij->i", rays, normals), 0.0)
-        return RayImage(depth, cosine.reshape(shape), geoms.reshape(shape))
 
 
 def displaced(camera: PinholeCamera, noise: DepthNoise, rng: np.random.Generator) -> PinholeCamera:
@@ -73,14 +26,6 @@ def displaced(camera: PinholeCamera, noise: DepthNoise, rng: np.random.Generator
     turn = exp(rng.normal(0.0, 1.0, 3) * np.deg2rad(noise.mount_deg))
     true = Pose(X_WC.p + shift, multiply(turn, X_WC.q))
     return PinholeCamera(true, camera.f, camera.c, camera.width, camera.height)
-
-
-def edges(depth: Array, step: float) -> tuple[Mask, Array, Array]:
-    """Pixels at edges of depth `(h, w)`, and least and largest depth of 3 x 3 neighbours [m]."""
-    kernel = np.ones((3, 3), np.uint8)
-    known = np.where(depth > 0.0, depth, REACH)
-    near, far = cv2.erode(known, kernel), cv2.dilate(known, kernel)
-    return np.asarray(far - near > step), np.asarray(near, dtype=float), np.asarray(far, dtype=float)
 
 
 class DepthCameraSystem:
@@ -93,6 +38,7 @@ class DepthCameraSystem:
 
     def __init__(self, described: DepthCameras, rng: np.random.Generator) -> None:
         self._described, self._noise, self._rng = described, described.noise, rng
+        self._errors = PixelErrors.of(described.noise)
         self.cameras = [displaced(camera, self._noise, rng) for camera in described.cameras()]
         self._rays = [CameraRays(camera) for camera in self.cameras]
         self._static = [self._alike() for _ in self.cameras]
@@ -155,22 +101,6 @@ class DepthCameraSystem:
 
     def _measured(self, true: RayImage, static: Array, losses: Array) -> Array:
         """The image with all errors."""
-        noise, rng, shape = self._noise, self._rng, true.depth.shape
-        rows, columns = np.indices(shape)
-        shift = np.rint(rng.normal(0.0, noise.lateral, (2, *shape))).astype(int)
-        look = np.clip(rows + shift[0], 0, shape[0] - 1), np.clip(columns + shift[1], 0, shape[1] - 1)
-        depth, cosine, geoms = true.depth[look], true.cosine[look], true.geoms[look]
-        is_edge, near, far = edges(true.depth, noise.edge)
-        chance = rng.random(shape)
-        flies = is_edge & (depth > 0.0) & (chance < noise.flying)
-        depth = np.where(flies, near + rng.random(shape) * (far - near), depth)
-        errors = np.sqrt(noise.static) * static + np.sqrt(1.0 - noise.static) * self._alike()
-        measured = depth + noise.axial(depth) * errors
-        first, last = np.cos(np.deg2rad(noise.grazing_deg))
-        grazing = np.clip((first - cosine) / (first - last), 0.0, 1.0)
-        is_lost = is_edge & (chance > 1.0 - noise.edge_loss)
-        for share in (grazing, losses[geoms], noise.loss):
-            is_lost |= rng.random(shape) < share
-        if noise.step > 0.0:
-            measured = noise.step * np.rint(measured / noise.step)
-        return np.where(is_lost | (depth <= 0.0), 0.0, measured)
+        return with_errors(
+            true.depth, true.cosine, true.geoms, static, self._alike(), losses, self._errors, self._rng
+        )
