@@ -1,11 +1,13 @@
-"""Processor time of a look with depth cameras at objects that nobody described, and of tracking, one core."""
+"""Processor time of a depth camera's rays, of a look at objects that nobody described, and of tracking."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
+import mujoco
 import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
@@ -15,9 +17,11 @@ from pack_core.joints import JointSample
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.depth import DepthFrame
 from pack_core.packing.scene import Scene
+from pack_core.rotations import rotate
 from pack_lockstep.packing.lockstep_config import load_preset, lockstep_config
 from pack_perception.depth.depth_estimator import DepthEstimator
 from pack_perception.perception_config import PerceptionConfig
+from pack_sim.packing.camera_rays import REACH, CameraRays
 from pack_sim.packing.depth_cameras import DepthCameraSystem
 from pack_sim.packing.scene_generator import generate_scene
 from pack_sim.packing.simulator import Simulator
@@ -131,3 +135,35 @@ def test_a_frame_of_tracking_takes_at_most_a_tenth_of_a_median_filter_of_its_ima
     tracked, filtered = np.median(times, axis=0)
     benchmark.extra_info.update(frame_ms=1e3 * tracked, filter_ms=1e3 * filtered)
     assert tracked <= filtered / 10.0
+
+
+def test_the_rays_of_a_camera_take_at_most_a_fifth_of_those_that_mujoco_casts_singly(
+    benchmark: BenchmarkFixture,
+) -> None:
+    preset = load_preset("unknown")
+    cell, config = preset.packing_cell(), lockstep_config(preset)
+    camera = cell.depth.cameras()[0]
+    v, u = np.indices((camera.height, camera.width))
+    rays = np.stack([(u - camera.c[0]) / camera.f, (v - camera.c[1]) / camera.f, np.ones(u.shape)], axis=-1)
+    lengths = np.linalg.norm(rays, axis=-1, keepdims=True)
+    directions = rotate(camera.X_WC.q, (rays / lengths).reshape(-1, 3)).ravel()
+    distances, normals, geoms = np.empty(v.size), np.empty(3 * v.size), np.empty(v.size, dtype=np.int32)
+    cast, times = CameraRays(camera), []
+
+    def singly(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        mujoco.mj_multiRay(
+            model, data, camera.X_WC.p, directions, None, True, -1, geoms, distances, normals, v.size, REACH
+        )  # fmt: skip
+
+    def all_of_them() -> None:
+        for seed in SEEDS:
+            rng = np.random.default_rng(seed)
+            simulator = Simulator(cell, generate_scene(seed, cell), config.simulator, rng)
+            for _ in range(ROUNDS):
+                both = (cast.cast, singly)
+                times.append([processor_time(partial(f, simulator.model, simulator.data)) for f in both])
+
+    benchmark.pedantic(all_of_them)
+    ours, theirs = np.median(times, axis=0)
+    benchmark.extra_info.update(rays_ms=1e3 * ours, single_rays_ms=1e3 * theirs)
+    assert ours <= theirs / 5.0

@@ -146,7 +146,7 @@ def demo(
     - `pack demo packing --preset hardware`
     - `pack demo packing --scene config/scenarios/packing/example.yaml --real-time-factor 0.3`
     - `pack demo packing --fill config/packing_lists/example.yaml`
-    - `pack demo packing --preset installed --calibration calibration.yaml --real-time-factor 0.2`
+    - `pack demo packing --preset installed --calibration calibration.yaml --real-time-factor 0.5`
     """
     from pack_bringup.packing.goals import PackingJob
 
