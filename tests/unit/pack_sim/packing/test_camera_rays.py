@@ -26,7 +26,7 @@ SOLID = " ".join(f"{c:.4f}" for c in np.random.default_rng(5).normal(0.0, 0.04, 
 def world(*geoms: str) -> tuple[mujoco.MjModel, mujoco.MjData]:
     """A world with these geoms, after a step of its kinematics."""
     model = mujoco.MjModel.from_xml_string(
-        f'<mujoco><asset><mesh name="solid" vertex="{SOLID}"/></asset>'
+        f'<mujoco><asset><mesh name="solid" vertex="{SOLID}"/><material name="clear" rgba="1 1 1 0"/></asset>'
         f"<worldbody>{''.join(geoms)}</worldbody></mujoco>"
     )
     data = mujoco.MjData(model)
@@ -89,11 +89,13 @@ def assert_alike(found: RayImage, expected: RayImage) -> None:
     assert np.mean(is_edge[is_same]) <= 0.001
 
 
-def test_rays_pass_through_what_is_not_drawn() -> None:
-    pane = '<geom type="box" size="0.2 0.2 0.01" pos="0 0 0.3" rgba="1 1 1 0"/>'
+@pytest.mark.parametrize("transparent", ['rgba="1 1 1 0"', 'material="clear"'])
+def test_rays_pass_through_what_is_not_drawn(transparent: str) -> None:
+    pane = f'<geom type="box" size="0.2 0.2 0.01" pos="0 0 0.3" {transparent}/>'
     camera = small_camera(np.array([0.0, 0.0, 0.6]), np.array([0.0, 0.001, 0.0]))
     seen, through = (CameraRays(camera).cast(*world(FLOOR, *shapes)) for shapes in ((), (pane,)))
     np.testing.assert_array_equal(seen.depth, through.depth)
+    assert_alike(through, single_rays(*world(FLOOR, pane), camera))
 
 
 def test_nothing_beyond_the_reach_is_met() -> None:

@@ -54,7 +54,7 @@ class PixelErrors(NamedTuple):
         )  # fmt: skip
 
 
-@numba.njit(nogil=True, cache=True)
+@numba.njit(nogil=True, cache=True, error_model="numpy")  # two equal angles of grazing divide by zero: a step
 def with_errors(
     depth: Array, cosine: Array, geoms: npt.NDArray[np.int32], static: Array, alike: Array, losses: Array,
     errors: PixelErrors, rng: np.random.Generator,
