@@ -192,10 +192,10 @@ class PalletSimNode(PhysicsNode):
         return self._after_change(response)
 
     def _trigger(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        camera = self._config.camera
         with self.lock:
-            time = self._config.camera.exposure_time(self._simulator.time)
-            if time > self._simulator.time:
-                self._exposure, response.success = time, True
+            if camera.rate:  # `advance` takes the frame, also one that is due now
+                self._exposure, response.success = camera.exposure_time(self._simulator.time), True
                 return response
             snapshot = self._simulator.snapshot()
         response.success = self._camera.expose(snapshot)
