@@ -12,6 +12,7 @@ from pack_core.errors import ConfigError
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.depth import DepthFrame
 from pack_core.packing.goals import FillMethod
+from pack_core.packing.objects import Box
 from pack_core.packing.packing_list import handed_over
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose, from_yaw
@@ -109,6 +110,18 @@ def test_an_object_that_is_shifted_is_followed() -> None:
     )
     assert truth.p[0] == pytest.approx(SPOTS["sugar_box"][0] - 0.008, abs=0.001)
     assert estimate.p == pytest.approx(truth.p, abs=0.002)
+
+
+def test_the_cup_is_no_part_of_an_object_whose_top_is_hardly_wider() -> None:
+    given = load_preset("unknown")
+    narrow = Box(name="brick", mass=0.03, shape="box", size=(0.05, 0.05, 0.075))
+    held = scene().model_copy(update={"new_object": narrow})
+    cell = LockstepCell(given.packing_cell(), held, lockstep_config(given), 0, lambda *_: None)
+    cell.settle()
+    assert cell.known_scene.new_object.half_extents == pytest.approx(narrow.half_extents, abs=0.0005)
+    cell.advance(1.0)
+    estimate, truth = cell.estimator.state(cell.estimator.time), cell.simulator.truth()
+    assert estimate.objects["brick"].X_WO.p == pytest.approx(truth.objects["brick"].X_WO.p, abs=0.001)
 
 
 def test_what_comes_into_sight_while_others_are_pushed_is_one_more_object() -> None:

@@ -21,7 +21,15 @@ from pack_core.packing.scene import Scene
 from pack_core.packing.seen_deviations import SeenDeviations
 from pack_core.rotations import Array, Pose, conjugate, rotate
 from pack_perception.depth.held_fit import held_shape
-from pack_perception.depth.look import BELOW_HELD, SeenShape, look_at, off_arm, off_container, scene_points
+from pack_perception.depth.look import (
+    BELOW_HELD,
+    SeenShape,
+    look_at,
+    off_arm,
+    off_container,
+    off_tool,
+    scene_points,
+)
 from pack_perception.depth.registration import register
 from pack_perception.depth.second_look import KnownObject, SecondLooks, with_shapes
 from pack_perception.depth.sight_lines import SightLines
@@ -32,6 +40,7 @@ from pack_perception.depth.surface_fit import (
     still_there,
     which_is_where,
 )
+from pack_perception.depth.tool_shape import ToolShape
 from pack_perception.mocap.guided_cell import GuidedCell
 from pack_perception.mocap.hand_over_estimator import HandOverEstimator
 from pack_perception.mocap.physics_estimator import Correction
@@ -72,7 +81,7 @@ class DepthEstimator(HandOverEstimator):
         self.misplaced: dict[int, str] = {}
         self.deviations: dict[str, SeenDeviations] = {}
         self.looked, self.hindrance = float("nan"), ""
-        self._needs_look, self._numbered = True, 0
+        self._needs_look, self._numbered, self._tool = True, 0, ToolShape.of(cell)
         self._looks = SecondLooks(config.depth.again)
         is_known = self._depth.objects is Objects.DESCRIBED
         super().__init__(scene if is_known else scene.model_copy(update={"objects": []}), cell, config)
@@ -179,7 +188,8 @@ class DepthEstimator(HandOverEstimator):
         surely: dict[str, SeenDeviations] = {}
         if X_WN is None:
             X_WT = self._physics.cup_pose(self._history.at(frame.time))
-            held = held_shape(points, self._cameras, X_WT, scene.new_object, self._depth)
+            beside = off_tool(points, X_WT, self._tool)
+            held = held_shape(beside, self._cameras, X_WT, scene.new_object, self._depth)
             if held is None:
                 return f"'{scene.new_object.name}' on the cup is not seen all around by the cameras"
             scene = scene.model_copy(update={"new_object": held.item}).gripped(held.X_TN)
@@ -333,6 +343,7 @@ class DepthEstimator(HandOverEstimator):
         rows = np.flatnonzero(known)
         points = scene_points([frame], self._cameras, np.inf, self._depth.every)
         points = off_container(points, self._scene.container, self._depth.look.on_wall)
+        points = off_tool(points, self._physics.cup_pose(self._history.at(frame.time)), self._tool)
         parts = assigned(points, [self._surfaces[i] for i in rows], expected[rows], config.reach)
         seen, fitted = expected.copy(), []
         for i, part in zip(rows, parts, strict=True):

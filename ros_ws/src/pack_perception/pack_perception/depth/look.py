@@ -32,12 +32,15 @@ from pack_perception.depth.height_map import (
 from pack_perception.depth.seen_region import overlap, seen_region
 from pack_perception.depth.shape_fit import FittedShape, candidates, worth
 from pack_perception.depth.sight_lines import SightLines
+from pack_perception.depth.tool_shape import ToolShape
 from pack_perception.perception_config import DepthLookConfig
 
 BELOW_HELD = 0.01
 """What is nearer to the lower end of the held object, or higher, is no content of the container [m]."""
 ARM_REACH = 0.08
 """What is higher than the cup, and nearer to its axis, is the pump [m]."""
+OF_TOOL = 0.004
+"""What is nearer to the tool's surface is a part of it [m]."""
 HIGH = 0.03
 """Nothing that stands in the container is so much higher than all that is known to be there [m]."""
 GAP = 7
@@ -91,6 +94,15 @@ def off_arm(points: Array, X_WT: Pose, rim: float) -> Array:
     p_T = X_WT.inverse().apply(points)  # the cup's z axis points away from the arm
     is_pump = (p_T[:, 2] < BELOW_HELD) & (np.linalg.norm(p_T[:, :2], axis=1) < ARM_REACH)
     return np.asarray(points[~is_pump & (points[:, 2] <= rim + HIGH)])
+
+
+def off_tool(points: Array, X_WT: Pose, tool: ToolShape) -> Array:
+    """Those of `points` `(n, 3)` [m] that are not of the tool, as its cup is no part of a top as narrow."""
+    p_T = X_WT.inverse().apply(points)
+    rho = np.hypot(p_T[:, 0], p_T[:, 1])
+    near = np.flatnonzero((p_T[:, 2] < OF_TOOL) & (rho < tool.radii.max() + OF_TOOL))
+    distances, _ = tool.distances(p_T[near])
+    return np.delete(points, near[distances < OF_TOOL], axis=0)
 
 
 def look_at(
