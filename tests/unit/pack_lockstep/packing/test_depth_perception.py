@@ -12,10 +12,10 @@ from pack_core.errors import ConfigError
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.depth import DepthFrame
 from pack_core.packing.goals import FillMethod
-from pack_core.packing.objects import Box
+from pack_core.packing.objects import Box, Capsule
 from pack_core.packing.packing_list import handed_over
 from pack_core.packing.scene import Scene
-from pack_core.rotations import Pose, from_yaw
+from pack_core.rotations import Pose, exp, from_yaw, multiply
 from pack_core.states import Source
 from pack_evaluation.packing.plots import draw_seen
 from pack_evaluation.packing.run import Iterations, Run, SeenObject, SeenScene
@@ -246,6 +246,20 @@ def test_errors_are_those_of_found_objects_less_their_symmetries() -> None:
     assert errors.angles == pytest.approx([0.05, 0.05])
     assert errors.sizes == pytest.approx([0.001, -0.002, 0.0])
     assert perception_errors(run_of({}, {})) is None
+
+
+def test_how_far_a_lying_capsule_has_rolled_is_no_error() -> None:
+    kiwi = Capsule(name="kiwi", shape="capsule", mass=0.07, radius=0.022, length=0.06, axis="x")
+    scene = CELL.scene.model_copy(update={"objects": [kiwi]})
+    true, seen = still("kiwi", (0.5, 0.0, 0.022), 0.2), still("kiwi", (0.5, 0.0, 0.022), 0.25)
+    rolled = multiply(from_yaw(0.2), exp(np.array([1.3, 0.0, 0.0])))
+    run = replace(
+        run_of({"kiwi": seen}, {"kiwi": replace(true, q=np.tile(rolled, (len(true.times), 1)))}),
+        scene=scene, seen=SeenScene(scene, {}, {"kiwi": SeenObject("kiwi", True, 1.0, (0.0, 0.0, 0.0))}),
+    )  # fmt: skip
+    errors = perception_errors(run)
+    assert errors is not None
+    assert errors.angles == pytest.approx(0.05)
 
 
 def test_figures_of_many_runs_are_those_of_all_their_errors() -> None:

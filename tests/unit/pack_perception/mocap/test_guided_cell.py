@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
 from pack_core.joints import JointSample
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.model import HeldRole
+from pack_core.packing.objects import Box, Capsule
+from pack_core.rotations import Array
 from pack_perception.mocap.guided_cell import GuidedCell
 from unit.pack_perception.mocap.pushing import standing_scene
 
@@ -62,3 +66,25 @@ def test_the_new_object_is_free_only_when_it_is_not_held() -> None:
     }
     assert free[HeldRole.RIGID] == SCENE.names
     assert free[HeldRole.FREE] == [*SCENE.names, SCENE.new_object.name]
+
+
+def test_what_is_set_into_something_is_pushed_apart_and_does_not_roll_on() -> None:
+    kiwi = Capsule(name="kiwi", shape="capsule", mass=0.07, radius=0.022, length=0.06, axis="x")
+    box = Box(name="box", shape="box", mass=0.3, size=(0.08, 0.08, 0.06))
+    scene = SCENE.model_copy(update={"objects": [kiwi, box]})
+    # 2 mm into each other
+    poses = np.array([[0.5, -0.06, 0.022, 1.0, 0.0, 0.0, 0.0], [0.5, 0.0, 0.03, 1.0, 0.0, 0.0, 0.0]])
+    rows, nothing = np.arange(2), np.zeros((2, 6))
+
+    def later(start: Callable[[GuidedCell], Array]) -> Array:
+        cell = GuidedCell(scene.description(), packing_cell(), HeldRole.RIGID, step=0.004)
+        cell.set_arm(sample(0.0))
+        cell.correct(rows, start(cell), nothing)
+        for k in range(100):
+            cell.follow(sample(0.004 * k), sample(0.004 * (k + 1)))
+        return np.asarray(cell.poses()[:, 1] - poses[:, 1])
+
+    apart = later(lambda cell: cell.pushed_apart(rows, poses))
+    assert np.abs(apart).max() < 0.003
+    assert apart[1] - apart[0] == pytest.approx(0.002, abs=0.001)
+    assert later(lambda _: poses)[0] < -0.01

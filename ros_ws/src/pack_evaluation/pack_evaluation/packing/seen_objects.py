@@ -152,19 +152,20 @@ def perception_errors(run: Run) -> PerceptionErrors | None:
     held = {} if seen.held is None else {run.held: seen.held}
     after = seen if run.seen_after is None else run.seen_after
     return PerceptionErrors(
-        len(run.scene.objects), len(seen.poses), len(seen.objects), *_errors_of(run, seen.objects),
-        _errors_of(run, held), (len(after.poses), len(after.objects), _sizes_of(after.objects)),
+        len(run.scene.objects), len(seen.poses), len(seen.objects), *_errors_of(run, seen, seen.objects),
+        _errors_of(run, seen, held), (len(after.poses), len(after.objects), _sizes_of(after.objects)),
     )  # fmt: skip
 
 
-def _errors_of(run: Run, objects: Mapping[str, SeenObject]) -> tuple[Array, Array, Array]:
+def _errors_of(run: Run, seen: SeenScene, objects: Mapping[str, SeenObject]) -> tuple[Array, Array, Array]:
     """Errors of position [m] and angle [rad] of some objects over the goal, and of size before it [m]."""
     positions, angles = [np.empty(0)], [np.empty(0)]
     for name, item in objects.items():
         estimate = run.estimate[name].between(run.start, run.end)
         truth = run.truth[name].at(estimate.times)
+        model, true = seen.scene.model_of(item.name), run.scene.model_of(name)
         positions.append(estimate.distance_to(truth.p))
-        angles.append(_angles(_symmetry(run.scene.model_of(name), item), estimate, truth))
+        angles.append(_angles(_symmetry(true, item), _standing(model, estimate), _standing(true, truth)))
     return np.concatenate(positions), np.concatenate(angles), _sizes_of(objects)
 
 
@@ -187,13 +188,24 @@ def _symmetry(item: SceneItem, seen: SeenObject) -> float:
     return min(item.symmetry, np.pi / 2) if seen.has_heading else 0.0
 
 
-def _angles(symmetry: float, estimate: Track, truth: Track) -> Array:
-    """Angles `(T,)` between axes, or between headings less a symmetry if these are larger [rad]."""
+def _standing(item: SceneItem, track: Track) -> Array:
+    """Quaternions `(T, 4)` of an object, as if what has rolled about its own axis had not."""
+    return np.array([item.standing(Pose(p, q)).q for p, q in zip(track.p, track.q, strict=True)])
+
+
+def _angles(symmetry: float, estimate: Array, truth: Array) -> Array:
+    """Angles `(T,)` between axes, or between headings less a symmetry if these are larger [rad].
+
+    Args:
+        symmetry: turn by which headings are alike [rad]; 0: they are not compared.
+        estimate: quaternions `(T, 4)`.
+        truth: likewise.
+    """
     z = np.array([0.0, 0.0, 1.0])
-    cosines = np.einsum("ij,ij->i", rotate(estimate.q, z), rotate(truth.q, z))
+    cosines = np.einsum("ij,ij->i", rotate(estimate, z), rotate(truth, z))
     tilts = np.arccos(np.clip(cosines, -1.0, 1.0))
     if symmetry == 0.0:
         return np.asarray(tilts)
-    turns = np.array([yaw_of(a) - yaw_of(b) for a, b in zip(estimate.q, truth.q, strict=True)])
+    turns = np.array([yaw_of(a) - yaw_of(b) for a, b in zip(estimate, truth, strict=True)])
     turns = np.abs((turns + 0.5 * symmetry) % symmetry - 0.5 * symmetry)
     return np.asarray(np.maximum(tilts, turns))

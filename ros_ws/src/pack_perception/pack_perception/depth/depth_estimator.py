@@ -213,7 +213,8 @@ class DepthEstimator(HandOverEstimator):
         seen = np.zeros((len(names), 7))
         for i in rows:
             seen[i] = [*where[names[i]].p, *where[names[i]].q]
-        self._correct_free(rows, seen[rows], self._physics.poses()[rows], time)
+        apart = self._physics.pushed_apart(rows, seen[rows])
+        self._correct_free(rows, apart, self._physics.poses()[rows], time)
         self._seen[rows] = self._fitted[rows] = time
 
     def _places(self) -> dict[str, Array]:
