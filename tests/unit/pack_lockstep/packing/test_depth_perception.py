@@ -148,6 +148,17 @@ def test_what_comes_into_sight_while_others_are_pushed_is_one_more_object() -> N
     assert new == pytest.approx(truth.objects["sugar_box"].X_WO.p, abs=0.003)
 
 
+def test_an_object_that_somebody_put_elsewhere_is_found_again() -> None:
+    cell = fresh("unknown")
+    simulator, estimator, before = cell.simulator, cell.estimator, cell.known_scene
+    lost = cell.seen().objects["tea_box"].name
+    simulator.data.qpos[simulator.model.joint("tea_box").qposadr[0] + 1] -= 0.055
+    cell.advance(1.3)
+    estimate, truth = estimator.state(estimator.time), simulator.truth()
+    assert cell.known_scene.names == before.names
+    assert estimate.objects[lost].X_WO.p == pytest.approx(truth.objects["tea_box"].X_WO.p, abs=0.003)
+
+
 def test_a_cell_may_have_two_cameras() -> None:
     two = {"mounts": [mount.model_dump() for mount in CELL.depth.mounts[:2]]}
     given = load_preset("unknown").over("cell", {"depth": two})

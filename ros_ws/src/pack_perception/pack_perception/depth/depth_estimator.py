@@ -31,7 +31,12 @@ from pack_perception.depth.look import (
     scene_points,
 )
 from pack_perception.depth.registration import register
-from pack_perception.depth.second_look import KnownObject, SecondLooks, with_shapes
+from pack_perception.depth.second_look import (
+    KnownObject,
+    SecondLooks,
+    is_seen_through,
+    with_shapes,
+)
 from pack_perception.depth.sight_lines import SightLines
 from pack_perception.depth.surface_fit import (
     ConvexSurface,
@@ -225,16 +230,17 @@ class DepthEstimator(HandOverEstimator):
         """Take up what two looks in a row have seen: objects that are new, and shapes that are surer."""
         poses = self._poses(frame.time)
         free, surely = self._physics.free, {name: self.deviations.get(name) for name in self._scene.names}
-        known = [
-            KnownObject(self._scene.model_of(name), Pose(*np.split(pose, [3])), surely.get(name))
-            for name, pose in zip(free, poses[: len(free)], strict=True)
-        ]
+        sight, known = self._sight(frame), list[KnownObject]()
+        for name, pose in zip(free, poses[: len(free)], strict=True):
+            item, X_WO = self._scene.model_of(name), Pose(*np.split(pose, [3]))
+            is_lost = is_seen_through(item, X_WO, sight)
+            known.append(KnownObject(item, X_WO, surely.get(name), is_lost=is_lost))
         X_WT, rim = self._physics.cup_pose(self._history.at(frame.time)), self._scene.rim
         points = off_arm(scene_points([frame], self._cameras, np.inf), X_WT, rim)
         if self._held >= 0:
             p_N = rotate(conjugate(poses[-1, 3:]), points - poses[-1, :3])
             points = points[self._surfaces[-1].distances(p_N)[0] > BELOW_HELD]
-        fits = self._looks.believed(self._seen_in(points, frame, self._looks.sure(known)), known)
+        fits = self._looks.believed(self._seen_in(points, sight, self._looks.sure(known)), known)
         if fits:
             names = self._markers.names
             # poses of those that are known are those of other shapes
@@ -245,11 +251,13 @@ class DepthEstimator(HandOverEstimator):
             self.looked = frame.time
         self._looks.note(frame.time, self._places())
 
+    def _sight(self, frame: DepthFrame) -> SightLines:
+        return SightLines(self._cameras, frame.images, self._depth.look.behind)
+
     def _seen_in(
-        self, points: Array, frame: DepthFrame, known: Sequence[shapely.Polygon] = ()
+        self, points: Array, sight: SightLines, known: Sequence[shapely.Polygon] = ()
     ) -> list[SeenShape]:
-        """What points `(n, 3)` [m] of a frame are of, but for what has these outlines."""
-        sight = SightLines(self._cameras, frame.images, self._depth.look.behind)
+        """What points `(n, 3)` [m] are of, as cameras saw them, but for what has these outlines."""
         found = look_at(points, sight, self._placed, self._depth.look, self._numbered, known)
         self._numbered += len(found)
         return found
@@ -266,7 +274,7 @@ class DepthEstimator(HandOverEstimator):
             surely: how sure that is, where it was measured now.
         """
         there, rest = self._remembered(points, frame.time)
-        found = self._seen_in(rest, frame)
+        found = self._seen_in(rest, self._sight(frame))
         objects = [*there, *(fit.item for fit in found)]
         known = {**self.deviations, **{fit.item.name: fit.deviations for fit in found}, **surely}
         self.change_scene(scene.model_copy(update={"objects": objects}))
@@ -276,7 +284,7 @@ class DepthEstimator(HandOverEstimator):
 
     def _look_for_described(self, points: Array, frame: DepthFrame) -> dict[str, Pose]:
         """X_WO of the described objects that are among points `(n, 3)` [m] of a frame, by name."""
-        found = self._seen_in(points, frame)
+        found = self._seen_in(points, self._sight(frame))
         if self._placed != self._scene.container:
             self.change_scene(self._scene)
         return which_is_where(found, self._scene.objects, self._depth.fit)

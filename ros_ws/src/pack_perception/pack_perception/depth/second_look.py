@@ -2,8 +2,9 @@
 
 All but what is sure already is looked at as at the first time. What overlaps with an object that is known is
 that object, seen again: its shape is taken if it is surer, or if it goes on where the known one ends, since
-what was seen is there. What overlaps with none is an object that nobody had seen. All are believed once two
-looks in a row agree, as leaning objects and the arm's edges look like others for a moment.
+what was seen is there. What overlaps with none is an object that nobody had seen, or one that was lost: it
+has its size, and cameras see through the place where that is believed to be. All are believed once two looks
+in a row agree, as leaning objects and the arm's edges look like others for a moment.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from scipy.optimize import linear_sum_assignment
 
 from pack_core.packing.free_space import footprint
 from pack_core.packing.scene import Scene
@@ -20,6 +22,7 @@ from pack_core.packing.scene_item import SceneItem
 from pack_core.packing.seen_deviations import SeenDeviations
 from pack_core.rotations import Array, Pose, rotate
 from pack_perception.depth.look import SeenShape
+from pack_perception.depth.sight_lines import SightLines
 from pack_perception.perception_config import LookAgainConfig
 
 SAME = 0.5
@@ -28,6 +31,12 @@ MORE = 0.1
 """Share of a known outline that another one has beyond it if it goes on there, and that it may lack."""
 APART = 0.1
 """Share of an outline that may be within others of an object that nobody had seen."""
+INNER = (0.4, 0.7)
+"""Where points within a body are, in shares of the way from its middle to its corners."""
+SEEN_THROUGH = 0.3
+"""Share of these points that cameras see through if the body is elsewhere."""
+ALIKE = 0.015
+"""What is found may be a lost object if none of its lengths differs by more [m]."""
 
 
 @dataclass(frozen=True)
@@ -38,11 +47,13 @@ class KnownObject:
         item: its shape.
         X_WO: where it is estimated to be.
         deviations: how sure its shape is; None where it never was looked at, so that its shape stays.
+        is_lost: whether it is not there: cameras saw through the place.
     """
 
     item: SceneItem
     X_WO: Pose
     deviations: SeenDeviations | None
+    is_lost: bool = False
 
     def may_be_replaced(self, config: LookAgainConfig) -> bool:
         """Whether a look may know its shape better: it stands upright, and a length is not sure."""
@@ -97,7 +108,8 @@ class SecondLooks:
 
     def sure(self, known: Sequence[KnownObject]) -> list[shapely.Polygon]:
         """Outlines of objects that are not looked for, as no look can know them better."""
-        return [footprint(one.item, one.X_WO) for one in known if not one.may_be_replaced(self._config)]
+        stay = [one for one in known if not one.is_lost and not one.may_be_replaced(self._config)]
+        return [footprint(one.item, one.X_WO) for one in stay]
 
     def believed(self, found: Sequence[SeenShape], known: Sequence[KnownObject]) -> dict[str, SeenShape]:
         """What this look and the last one have both found: by the names of known objects, or by their own."""
@@ -122,20 +134,41 @@ def with_shapes(scene: Scene, fits: Mapping[str, SeenShape]) -> Scene:
 def findings(
     found: Sequence[SeenShape], known: Sequence[KnownObject], config: LookAgainConfig
 ) -> list[LookFinding]:
-    """Those of `found` that are of no known object, or know one better."""
-    outlines = [footprint(item.item, item.X_WO) for item in known]
-    results = []
+    """Those of `found` that are of no known object, or know one better, or are one that was lost."""
+    there, lost = [one for one in known if not one.is_lost], [one for one in known if one.is_lost]
+    outlines = [footprint(one.item, one.X_WO) for one in there]
+    results, beside = [], []
     for fit in found:
         outline = _outline(fit)
         overlaps = [overlap_of(outline, other) for other in outlines]
         best = int(np.argmax(overlaps)) if overlaps else -1
         if best >= 0 and overlaps[best] > SAME:
-            is_better = is_surer(fit, known[best], config) or goes_on(outline, outlines[best])
-            if is_better and known[best].may_be_replaced(config):
-                results.append(LookFinding(fit, known[best].item.name))
+            is_better = is_surer(fit, there[best], config) or goes_on(outline, outlines[best])
+            if is_better and there[best].may_be_replaced(config):
+                results.append(LookFinding(fit, there[best].item.name))
         elif outline.intersection(shapely.union_all(outlines)).area < APART * outline.area:
-            results.append(LookFinding(fit, None))
-    return results
+            beside.append(fit)
+    names = which_is_which([fit.item for fit in beside], [one.item for one in lost])
+    return [*results, *map(LookFinding, beside, names)]
+
+
+def which_is_which(found: Sequence[SceneItem], lost: Sequence[SceneItem]) -> list[str | None]:
+    """Which of the lost objects each of `found` is, by its lengths, whichever of them is upright; or none."""
+    if not found or not lost:
+        return [None] * len(found)
+    lengths = [np.sort([2.0 * item.half_extents for item in items]) for items in (found, lost)]
+    apart = np.abs(lengths[0][:, None] - lengths[1]).max(axis=2)
+    names: list[str | None] = [None] * len(found)
+    for i, j in zip(*linear_sum_assignment(apart), strict=True):
+        if apart[i, j] < ALIKE:
+            names[i] = lost[j].name
+    return names
+
+
+def is_seen_through(item: SceneItem, X_WO: Pose, sight: SightLines) -> bool:
+    """Whether cameras saw through so much of a body's inside that it is not at X_WO."""
+    inside = np.concatenate([share * item.hull() for share in INNER])
+    return bool(np.mean(sight.is_free(X_WO.apply(inside))) > SEEN_THROUGH)
 
 
 def confirmed(now: Sequence[LookFinding], before: Sequence[LookFinding]) -> list[LookFinding]:
