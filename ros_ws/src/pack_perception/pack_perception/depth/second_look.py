@@ -159,7 +159,8 @@ def which_is_which(found: Sequence[SceneItem], lost: Sequence[SceneItem]) -> lis
     lengths = [np.sort([2.0 * item.half_extents for item in items]) for items in (found, lost)]
     apart = np.abs(lengths[0][:, None] - lengths[1]).max(axis=2)
     names: list[str | None] = [None] * len(found)
-    for i, j in zip(*linear_sum_assignment(apart), strict=True):
+    rows, columns = linear_sum_assignment(apart)
+    for i, j in zip(rows.tolist(), columns.tolist(), strict=True):
         if apart[i, j] < ALIKE:
             names[i] = lost[j].name
     return names
