@@ -1,7 +1,10 @@
 """What two looks while objects are pushed make of what was hidden, and of what is seen better."""
 
+from dataclasses import replace
+
 import numpy as np
 
+from pack_core.camera import PinholeCamera
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.objects import Box
 from pack_core.packing.seen_deviations import SeenDeviations
@@ -14,8 +17,11 @@ from pack_perception.depth.second_look import (
     confirmed,
     findings,
     have_moved,
+    is_seen_through,
+    which_is_which,
     with_shapes,
 )
+from pack_perception.depth.sight_lines import SightLines
 from pack_perception.perception_config import LookAgainConfig
 
 CONFIG = LookAgainConfig()
@@ -62,6 +68,45 @@ def test_only_what_is_beside_all_others_is_new() -> None:
     (new,) = findings([fit_of(0.6, 0.04, SURE)], others, CONFIG)
     assert new.name is None
     assert findings([fit_of(0.54, 0.04, SURE)], others, CONFIG) == []  # it stands in another one
+
+
+def test_what_is_beside_all_others_is_the_lost_object_of_its_size() -> None:
+    there, lost = known(0.5, 0.07, SURE), replace(known(0.7, 0.04, SURE), is_lost=True)
+    (found,) = findings([fit_of(0.6, 0.045, SURE)], [there, lost], CONFIG)
+    assert found.name == "seen_1"
+    (other,) = findings([fit_of(0.6, 0.08, SURE)], [there, lost], CONFIG)
+    assert other.name is None
+    # it hides nothing where it is believed to be, and is looked for there
+    assert len(SecondLooks(CONFIG).sure([there, lost])) == 1
+
+
+def test_each_of_two_alike_objects_is_found_once_also_on_its_side() -> None:
+    small = Box(name="small", mass=0.3, shape="box", size=(0.03, 0.04, 0.08))
+    large = Box(name="large", mass=0.3, shape="box", size=(0.035, 0.045, 0.085))
+    on_side = Box(name="seen_8", mass=0.3, shape="box", size=(0.08, 0.03, 0.04))
+    standing = large.model_copy(update={"name": "seen_9"})
+    assert which_is_which([on_side, standing], [large, small]) == ["small", "large"]
+    assert which_is_which([on_side, standing, on_side], [large]) == [None, "large", None]
+    assert which_is_which([on_side], []) == [None]
+
+
+def test_a_body_that_a_camera_looks_through_is_not_there() -> None:
+    # a camera a metre over the table, which measures the table
+    camera = PinholeCamera(
+        Pose(np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0, 0.0])),
+        300.0,
+        np.array([160.0, 120.0]),
+        320,
+        240,
+    )
+    box = Box(name="box", mass=0.3, shape="box", size=(0.08, 0.08, 0.1))
+    there = Pose(np.array([0.0, 0.0, 0.05]))
+    empty = SightLines([camera], np.ones((1, 240, 320)), 0.005)
+    assert is_seen_through(box, there, empty)
+    # its top is 0.9 m away
+    assert not is_seen_through(box, there, SightLines([camera], np.full((1, 240, 320), 0.9), 0.005))
+    # nothing measured says nothing
+    assert not is_seen_through(box, there, SightLines([camera], np.zeros((1, 240, 320)), 0.005))
 
 
 def test_what_was_seen_once_or_elsewhere_is_not_believed() -> None:
