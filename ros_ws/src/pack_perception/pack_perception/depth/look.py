@@ -97,7 +97,10 @@ def off_arm(points: Array, X_WT: Pose, rim: float) -> Array:
 
 
 def off_tool(points: Array, X_WT: Pose, tool: ToolShape) -> Array:
-    """Those of `points` `(n, 3)` [m] that are not of the tool, as its cup is no part of a top as narrow."""
+    """Those of `points` `(n, 3)` [m] that are not of the tool.
+
+    Else the cup would pass for a part of what hangs from it where that is hardly wider.
+    """
     p_T = X_WT.inverse().apply(points)
     rho = np.hypot(p_T[:, 0], p_T[:, 1])
     near = np.flatnonzero((p_T[:, 2] < OF_TOOL) & (rho < tool.radii.max() + OF_TOOL))
