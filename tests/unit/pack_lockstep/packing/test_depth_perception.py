@@ -149,11 +149,18 @@ def test_what_comes_into_sight_while_others_are_pushed_is_one_more_object() -> N
 
 
 def test_an_object_that_somebody_put_elsewhere_is_found_again() -> None:
-    cell = fresh("unknown")
+    given = load_preset("unknown")
+    free = scene().poses() | {"sugar_box": Pose(np.array([0.5, 0.35, 0.055]))}  # where no look looks
+    cell = LockstepCell(
+        given.packing_cell(), scene().with_poses(free), lockstep_config(given), 0, lambda *_: None
+    )
+    cell.settle()
     simulator, estimator, before = cell.simulator, cell.estimator, cell.known_scene
     lost = cell.seen().objects["tea_box"].name
-    simulator.data.qpos[simulator.model.joint("tea_box").qposadr[0] + 1] -= 0.055
-    cell.advance(1.3)
+    at = simulator.model.joint("tea_box").qposadr[0]
+    simulator.data.qpos[at : at + 2] = SPOTS["sugar_box"]
+    simulator.data.qpos[simulator.model.joint("soup_can").qposadr[0] + 1] -= 0.008  # has it look again
+    cell.advance(1.9)
     estimate, truth = estimator.state(estimator.time), simulator.truth()
     assert cell.known_scene.names == before.names
     assert estimate.objects[lost].X_WO.p == pytest.approx(truth.objects["tea_box"].X_WO.p, abs=0.003)
