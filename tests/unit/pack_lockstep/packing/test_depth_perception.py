@@ -351,7 +351,7 @@ def test_calibrated_cameras_tell_where_the_container_is() -> None:
     # each look places it anew
     nearer = Registration(np.zeros(3), np.array([0.001, 0.0, 0.0]), np.zeros(3), 0.0)
     estimator._needs_look = True
-    with patch("pack_perception.depth.depth_estimator.register", return_value=nearer):
+    with patch("pack_perception.depth.extrinsics.register", return_value=nearer):
         estimator.see(frame)
     expected = np.subtract(told.container.centre, [0.001, 0.0])
     np.testing.assert_allclose(estimator.scene.container.centre, expected, atol=1e-9)

@@ -14,23 +14,23 @@ import shapely
 
 from pack_core.camera import PinholeCamera
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.depth import DepthFrame, points_of
+from pack_core.packing.depth import DepthFrame
 from pack_core.packing.free_space import is_packed
 from pack_core.packing.objects import ObjectModel
 from pack_core.packing.scene import Scene
 from pack_core.packing.seen_deviations import SeenDeviations
 from pack_core.rotations import Array, Pose, conjugate, rotate
+from pack_perception.depth.extrinsics import Extrinsics
 from pack_perception.depth.held_fit import held_shape
 from pack_perception.depth.look import (
     BELOW_HELD,
     SeenShape,
+    ceiling_below,
     look_at,
     off_arm,
     off_container,
     off_tool,
-    scene_points,
 )
-from pack_perception.depth.registration import register
 from pack_perception.depth.second_look import (
     KnownObject,
     SecondLooks,
@@ -53,10 +53,6 @@ from pack_perception.perception_config import Objects, PerceptionConfig
 
 COARSE = 8
 """Every many pixels each way one tells whether a camera is covered."""
-AGREEMENT = 0.0015
-"""Calibrated cameras that see the container farther apart were knocked since [m]: ten times their error."""
-BESIDE = 0.03
-"""From the container's walls; a new object farther away hides nothing in it [m]."""
 
 
 class DepthEstimator(HandOverEstimator):
@@ -69,8 +65,6 @@ class DepthEstimator(HandOverEstimator):
         cameras: where the cameras hang, as a calibration has found it; None: as the cell describes it.
 
     Attributes:
-        misplaced: how far off each camera is that hangs elsewhere than was told, in words, by its place in
-            the list. Nothing is looked for while there are any.
         deviations: how sure looks were of the objects that they saw, by name.
         looked: when the images were exposed that the last look was made at [s]; nan before the first.
         hindrance: what kept from a look at the newest images, in words; empty if nothing did.
@@ -80,16 +74,25 @@ class DepthEstimator(HandOverEstimator):
         self, scene: Scene, cell: PackingCell, config: PerceptionConfig,
         cameras: Sequence[PinholeCamera] | None = None,
     ) -> None:  # fmt: skip
-        self._depth, self._described = config.depth, cameras or cell.depth.cameras()
-        self._cameras, self._is_calibrated = [*self._described], cameras is not None
-        self._told = self._placed = scene.container
-        self.misplaced: dict[int, str] = {}
+        self._depth = config.depth
+        self._extrinsics = Extrinsics(
+            cameras or cell.depth.cameras(), is_calibrated=cameras is not None, container=scene.container,
+            config=config.depth,
+        )  # fmt: skip
         self.deviations: dict[str, SeenDeviations] = {}
         self.looked, self.hindrance = float("nan"), ""
         self._needs_look, self._numbered, self._tool = True, 0, ToolShape.of(cell)
         self._looks = SecondLooks(config.depth.again)
         is_known = self._depth.objects is Objects.DESCRIBED
         super().__init__(scene if is_known else scene.model_copy(update={"objects": []}), cell, config)
+
+    @property
+    def misplaced(self) -> Mapping[int, str]:
+        """How far off each camera is that hangs elsewhere than was told, in words, by its place in the list.
+
+        Nothing is looked for while there are any.
+        """
+        return self._extrinsics.misplaced
 
     @property
     def knows_objects(self) -> bool:
@@ -132,10 +135,10 @@ class DepthEstimator(HandOverEstimator):
             state = None if self._joints is None else self.state(self.time).objects.get(last)
             keep = state is not None and is_packed(self._scene, state.X_WO)
             scene = self._scene.with_next(scene.new_object, keep=keep).description()
-        if scene.container not in (self._told, self._placed, self._scene.container):  # another one
-            self._told = self._placed = scene.container
+        if scene.container != self._scene.container:
+            self._extrinsics.expect(scene.container)
         self._measures_held &= not scene.is_handed_over
-        super().change_scene(scene.model_copy(update={"container": self._placed}))
+        super().change_scene(scene.model_copy(update={"container": self._extrinsics.container}))
         self._expect_announced()
 
     def take_hold(self) -> Pose | None:
@@ -182,25 +185,27 @@ class DepthEstimator(HandOverEstimator):
             What keeps from it, in words; empty where nothing does.
         """
         X_WN = None if self._measures_held else Pose(*np.split(self._poses(frame.time)[-1], [3]))
-        if X_WN is not None and self._ceiling(self._scene, X_WN) < self._scene.container.height:
+        scene = self._scene
+        rim = scene.container.height
+        if X_WN is not None and ceiling_below(scene.new_object, X_WN, scene.container) < rim:
             return "what hangs on the cup is among the objects in the container"
-        if not len(scene_points([frame], self._cameras, np.inf, COARSE)):
+        if not len(self._extrinsics.points(frame, COARSE)):
             return "the cameras measure nothing: are they covered?"
-        self._register(frame)
+        self._extrinsics.register(frame)
         if self.misplaced:
             return "a camera hangs elsewhere than described"
-        points, scene = scene_points([frame], self._cameras, np.inf), self._scene
+        points = self._extrinsics.points(frame)
         surely: dict[str, SeenDeviations] = {}
         if X_WN is None:
             X_WT = self._physics.cup_pose(self._history.at(frame.time))
             beside = off_tool(points, X_WT, self._tool)
-            held = held_shape(beside, self._cameras, X_WT, scene.new_object, self._depth)
+            held = held_shape(beside, self._extrinsics.cameras, X_WT, scene.new_object, self._depth)
             if held is None:
                 return f"'{scene.new_object.name}' on the cup is not seen all around by the cameras"
             scene = scene.model_copy(update={"new_object": held.item}).gripped(held.X_TN)
             X_WN, surely = X_WT @ held.X_TN, {held.item.name: held.deviations}
             self._measures_held = False
-        points = points[points[:, 2] < self._ceiling(scene, X_WN)]
+        points = points[points[:, 2] < ceiling_below(scene.new_object, X_WN, scene.container)]
         self.looked = frame.time
         if self._depth.objects is Objects.UNKNOWN:
             where = self._look_for_all(points, frame, scene, surely)
@@ -236,7 +241,7 @@ class DepthEstimator(HandOverEstimator):
             is_lost = is_seen_through(item, X_WO, sight)
             known.append(KnownObject(item, X_WO, surely.get(name), is_lost=is_lost))
         X_WT, rim = self._physics.cup_pose(self._history.at(frame.time)), self._scene.rim
-        points = off_arm(scene_points([frame], self._cameras, np.inf), X_WT, rim)
+        points = off_arm(self._extrinsics.points(frame), X_WT, rim)
         if self._held >= 0:
             p_N = rotate(conjugate(poses[-1, 3:]), points - poses[-1, :3])
             points = points[self._surfaces[-1].distances(p_N)[0] > BELOW_HELD]
@@ -252,13 +257,13 @@ class DepthEstimator(HandOverEstimator):
         self._looks.note(frame.time, self._places())
 
     def _sight(self, frame: DepthFrame) -> SightLines:
-        return SightLines(self._cameras, frame.images, self._depth.look.behind)
+        return SightLines(self._extrinsics.cameras, frame.images, self._depth.look.behind)
 
     def _seen_in(
         self, points: Array, sight: SightLines, known: Sequence[shapely.Polygon] = ()
     ) -> list[SeenShape]:
         """What points `(n, 3)` [m] are of, as cameras saw them, but for what has these outlines."""
-        found = look_at(points, sight, self._placed, self._depth.look, self._numbered, known)
+        found = look_at(points, sight, self._extrinsics.container, self._depth.look, self._numbered, known)
         self._numbered += len(found)
         return found
 
@@ -285,7 +290,7 @@ class DepthEstimator(HandOverEstimator):
     def _look_for_described(self, points: Array, frame: DepthFrame) -> dict[str, Pose]:
         """X_WO of the described objects that are among points `(n, 3)` [m] of a frame, by name."""
         found = self._seen_in(points, self._sight(frame))
-        if self._placed != self._scene.container:
+        if self._extrinsics.container != self._scene.container:
             self.change_scene(self._scene)
         return which_is_where(found, self._scene.objects, self._depth.fit)
 
@@ -298,42 +303,6 @@ class DepthEstimator(HandOverEstimator):
         surfaces = [self._surfaces[i] for i in known]
         is_there, rest = still_there(points, surfaces, self._poses(time)[known], self._depth.fit.reach)
         return [self._scene.objects[i] for i in known[is_there]], rest
-
-    def _ceiling(self, scene: Scene, X_WN: Pose) -> float:
-        """Height over which there is nothing but the new object, which is at X_WN, or the arm [m]."""
-        container, hull = scene.container, X_WN.apply(scene.new_object.hull())
-        low, high = container.lower - BESIDE, container.upper + BESIDE
-        if np.any((hull[:, :2].max(axis=0) < low) | (hull[:, :2].min(axis=0) > high)):
-            return 2.0 * container.height  # the centre of what is packed is below the rim
-        return float(hull[:, 2].min()) - BELOW_HELD
-
-    def _register(self, frame: DepthFrame) -> None:
-        """Compare cameras and container; note cameras that have moved.
-
-        Of cameras that are calibrated to the arm, and of the container, it is the container that stands
-        elsewhere than described. Else the cameras are taken to be where the container, as they see it, says.
-        """
-        container, config, described = self._told, self._depth.registration, self._described
-        self.misplaced, shifts = {}, dict[int, Array]()
-        for i, (camera, image) in enumerate(zip(described, frame.images, strict=True)):
-            found = register(points_of(camera, image, self._depth.every), camera.X_WC.p, container, config)
-            if found is None:  # too little to see: it stays where it was
-                continue
-            if not found.is_within(config):
-                self.misplaced[i] = found.in_words()
-            elif self._is_calibrated:
-                shifts[i] = found.shift
-            else:
-                self._cameras[i] = found.applied_to(camera)
-        if not shifts:
-            return
-        seen = np.array(list(shifts.values()))
-        apart = float(np.linalg.norm(np.ptp(seen, axis=0)))
-        if apart > AGREEMENT:  # nobody can say which of them it is
-            self.misplaced |= dict.fromkeys(shifts, f"{1e3 * apart:.0f} mm between the cameras")
-        else:
-            x, y = container.centre - seen.mean(axis=0)[:2]
-            self._placed = container.model_copy(update={"centre": (float(x), float(y))})
 
     def _poses(self, time: float) -> Array:
         """X_WO `(n, 7)` of all objects at an earlier time, the new one last."""
@@ -350,7 +319,7 @@ class DepthEstimator(HandOverEstimator):
         known = self._is_known.copy()
         known[self._held] |= self._held >= 0
         rows = np.flatnonzero(known)
-        points = scene_points([frame], self._cameras, np.inf, self._depth.every)
+        points = self._extrinsics.points(frame, self._depth.every)
         points = off_container(points, self._scene.container, self._depth.look.on_wall)
         points = off_tool(points, self._physics.cup_pose(self._history.at(frame.time)), self._tool)
         parts = assigned(points, [self._surfaces[i] for i in rows], expected[rows], config.reach)

@@ -11,12 +11,10 @@ import cv2
 import numpy as np
 import shapely
 
-from pack_core.camera import PinholeCamera
-from pack_core.packing.depth import DepthFrame, points_of
 from pack_core.packing.free_space import footprint
 from pack_core.packing.objects import Capsule
 from pack_core.packing.scene import Container
-from pack_core.packing.scene_item import colour_of
+from pack_core.packing.scene_item import SceneItem, colour_of
 from pack_core.packing.seen_deviations import SeenDeviations
 from pack_core.rotations import Array, Pose, yaw_of
 from pack_perception.depth.deviations import deviations_of
@@ -37,6 +35,8 @@ from pack_perception.perception_config import DepthLookConfig
 
 BELOW_HELD = 0.01
 """What is nearer to the lower end of the held object, or higher, is no content of the container [m]."""
+BESIDE = 0.03
+"""From the container's walls; a held object farther away hides nothing in it [m]."""
 ARM_REACH = 0.08
 """What is higher than the cup, and nearer to its axis, is the pump [m]."""
 OF_TOOL = 0.004
@@ -65,16 +65,6 @@ class SeenShape(FittedShape):
     deviations: SeenDeviations
 
 
-def scene_points(
-    frames: Sequence[DepthFrame], cameras: Sequence[PinholeCamera], ceiling: float, every: int = 1
-) -> Array:
-    """Points `(n, 3)` [m] of frames between the table and a height [m], of one pixel in `every` each way."""
-    points = np.concatenate(
-        [points_of(cameras[i], frame.images[i], every) for frame in frames for i in range(len(cameras))]
-    )
-    return points[(points[:, 2] > -0.01) & (points[:, 2] < ceiling)]
-
-
 def off_container(points: Array, container: Container, on_wall: float) -> Array:
     """Those of `points` `(n, 3)` [m] that are farther than `on_wall` [m] from the base and the walls."""
     (x0, y0), (x1, y1), t = (
@@ -87,6 +77,18 @@ def off_container(points: Array, container: Container, on_wall: float) -> Array:
     is_beside = (x < x0 - t) | (x > x1 + t) | (y < y0 - t) | (y > y1 + t)
     is_above = z > container.height + on_wall
     return np.asarray(points[(z > on_wall) & (is_between | is_beside | is_above)])
+
+
+def ceiling_below(held: SceneItem, X_WN: Pose, container: Container) -> float:
+    """Height over which there is nothing but the held object, which is at X_WN, or the arm [m].
+
+    One that is not over the container hides nothing in it; the centre of what is packed is below the rim.
+    """
+    hull = X_WN.apply(held.hull())
+    low, high = container.lower - BESIDE, container.upper + BESIDE
+    if np.any((hull[:, :2].max(axis=0) < low) | (hull[:, :2].min(axis=0) > high)):
+        return 2.0 * container.height
+    return float(hull[:, 2].min()) - BELOW_HELD
 
 
 def off_arm(points: Array, X_WT: Pose, rim: float) -> Array:
