@@ -100,6 +100,21 @@ def test_a_goal_ends_with_the_node_that_pursues_it(graph: Graph, is_restarted: b
         pursue(graph, node, "result")
 
 
+def test_a_goal_is_not_lost_with_a_node_that_was_started_anew_before_it_was_sent(
+    graph: Graph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(goal_client, "GRACE", 0.0)
+    waiter = graph.start(Waiter)
+    node = client(graph)
+    graph.wait_until(lambda: node.hears("waiter"))
+    graph.stop(waiter)
+    graph.wait_until(lambda: not node.hears("waiter"))
+    graph.start(Waiter)
+    pursue(graph, node, "feedback")
+    node.cancel()
+    pursue(graph, node, "result")
+
+
 def test_a_goal_is_given_up_when_nothing_is_heard_of_who_pursues_it(
     graph: Graph, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -5,13 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
+import pytest
 from pack_interfaces.action import RunShift
 
 from pack_bringup.palletizing.goals import ShiftGoal
-from pack_core.palletizing.ports import AskPlace, Command, ScanPlace
-from pack_core.palletizing.shift_journal import JOURNAL, EventKind, ShiftJournal, read_journal
+from pack_core.palletizing.ports import AskPlace, Command, PursueTarget, ScanPlace, StopArm
+from pack_core.palletizing.shift_journal import (
+    JOURNAL,
+    EventKind,
+    ShiftJournal,
+    WrittenShift,
+    read_journal,
+)
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.rotations import Pose
 from pallet_fsm.palletizer_config import PalletizerConfig, ScanConfig
@@ -122,6 +130,23 @@ def test_an_arm_that_was_left_over_the_conveyor_moves_away_before_a_box_is_broug
     cell.X_WT = Pose(np.array([*CELL.picking_table.centre, 1.6]), cell.X_WT.q)
     result, _ = pursue(cell, RunShift.Goal(folder=str(tmp_path), boxes=1))
     assert (result.success, result.placed) == (True, 1)
+
+
+@pytest.mark.parametrize("is_cancelled", [False, True])
+def test_an_arm_that_moves_away_is_stopped_where_the_goal_ends_meanwhile(is_cancelled: bool) -> None:
+    cell, server, commands = cell_of(1), Server(), list[Command]()
+    cell.X_WT = Pose(np.array([*CELL.picking_table.centre, 1.6]), cell.X_WT.q)
+    before = WrittenShift({"seed": 0, "boxes": 1, "preset": "shift"}, ())
+    look = TakeOverLook(CELL, [], MACHINE, ShiftConfig().clearances(CELL))
+    run = ShiftGoalRun(server, CELL, before, Mock(), Mock(), commands.append, server, look)  # type: ignore[arg-type]
+    run.step(cell.observe())
+    assert [type(command) for command in commands] == [PursueTarget]
+    server.is_cancel_requested = is_cancelled
+    if not is_cancelled:
+        run.halt("node 'motion' is silent")
+    run.step(cell.observe())
+    assert server.has_ended
+    assert type(commands[-1]) is StopArm
 
 
 def test_every_event_is_on_the_disk_before_anything_follows_from_it(tmp_path: Path) -> None:

@@ -52,6 +52,7 @@ class Table:
         stuck: label of a segment at which the arm gets stuck.
         times: how often it still does.
         refuses: says of a move whether it is refused.
+        met: moves in which the arm got stuck, with X_WT there.
         known: what the executor gave as its plan whenever it asked for one.
     """
 
@@ -67,6 +68,7 @@ class Table:
     stuck: str = ""
     times: int = 1000
     refuses: Callable[[MoveArm], bool] = lambda move: False
+    met: list[tuple[MoveArm, Pose]] = field(default_factory=list)
     known: list[Plan | None] = field(default_factory=list)
     closings: int = 0
     asked: list[ExecutorRequest] = field(default_factory=list)
@@ -101,16 +103,20 @@ class Table:
 
     def _move(self, request: MoveArm) -> MotionStatus:
         if self.refuses(request):
-            return _status(MotionState.REFUSED, "", "'palm' would be 3 mm inside 'b'")
+            return self._status(MotionState.REFUSED, "", "'palm' would be 3 mm inside 'b'")
         for segment in request.path.segments:
             if segment.label == self.stuck and self.times:
                 self.times -= 1
-                return _status(MotionState.STUCK, segment.label, "something is in the way")
+                self.met.append((request, self.tool))
+                return self._status(MotionState.STUCK, segment.label, "something is in the way")
             if isinstance(segment, Line | PoseMove):
                 self._carry(segment.X_WT, segment.label == "push")
         if request.path.segments[-1].label == "look":
             self.after(self)
-        return _status(MotionState.REACHED, "", "")
+        return self._status(MotionState.REACHED, "", "")
+
+    def _status(self, state: MotionState, label: str, reason: str) -> MotionStatus:
+        return MotionStatus(0.0, 1, state, 0, label, 0.0, 0.0, 0.0, 0.0, 3, reason, self.tool)
 
     def _carry(self, X_WT: Pose, is_push: bool) -> None:
         before, self.tool = self.tool, X_WT
@@ -137,10 +143,6 @@ class Table:
 
     def _nearest(self, X_WT: Pose) -> str:
         return min(self.poses, key=lambda name: float(np.linalg.norm(self.poses[name].p - X_WT.p[:2])))
-
-
-def _status(state: MotionState, label: str, reason: str) -> MotionStatus:
-    return MotionStatus(0.0, 1, state, 0, label, 0.0, 0.0, 0.0, 0.0, 3, reason, TOOL_AT_LOOK)
 
 
 def staged(name: str, goal: PlanarPose, direction: float, distance: float = 0.03) -> tuple[Action, Action]:

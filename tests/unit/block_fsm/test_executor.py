@@ -218,12 +218,24 @@ def test_without_a_plan_the_reason_is_passed_on() -> None:
     assert "INFEASIBLE: a and b cannot be moved" in outcome.message
 
 
-@pytest.mark.parametrize("label", ["down", "lower", "touch"])
+@pytest.mark.parametrize("label", ["approach", "down", "lift", "carry", "lower", "touch"])
 def test_an_arm_that_meets_what_nobody_saw_puts_the_block_back_and_looks_again(label: str) -> None:
     table = Table(scattered(), stuck=label, times=1)
     outcome = table.run(GOALS)
     assert outcome.success
     assert outcome.tally.plans == 3
+
+
+@pytest.mark.parametrize("label", ["down", "lift", "carry", "lower", "touch"])
+def test_an_arm_that_meets_what_nobody_saw_goes_straight_up_from_there(label: str) -> None:
+    table = Table(scattered(), stuck=label, times=1)
+    assert table.run(GOALS).success
+    ((request, X_WT),) = table.met
+    moves = [asked for asked in table.asked if isinstance(asked, MoveArm)]
+    up = moves[moves.index(request) + 1].path.segments[0]
+    if isinstance(up, Line):  # from over all blocks it goes away at once
+        assert up.X_WT.p[:2] == pytest.approx(X_WT.p[:2])
+        assert up.X_WT.p[2] >= X_WT.p[2]
 
 
 def test_an_arm_that_gets_stuck_ends_the_task() -> None:

@@ -17,6 +17,7 @@ from pack_core.bag_topic import Topic
 from pack_core.blocks import topics as blocks
 from pack_core.motion import topics as motion
 from pack_core.palletizing import topics as palletizing
+from pack_core.palletizing.cell import PALLET
 from pack_core.paths import project_root
 from pack_viewer.blocks.blocks_page import BlocksPage
 from pack_viewer.live_page import SHARED_TOPICS, LivePage
@@ -25,6 +26,7 @@ from pack_viewer.palletizing.palletizing_page import PalletizingPage
 from pack_viewer.recorded_news import RecordedNews
 from pack_viewer.rolling_plot import PERIOD, RollingPlot
 from pack_viewer.web_server import open_server
+from pallet_fsm.states import State
 from unit.pack_evaluation.packing.messages import make
 
 TYPES = message_types()
@@ -67,11 +69,12 @@ def blocks_bag(folder: Path) -> Path:
 
 def write(folder: Path, kinds: dict[str, str], rows: list[tuple[float, str, dict[str, Any]]]) -> Path:
     """Record messages, each with its time [s], topic and fields."""
-    names = {topic: f"pack_interfaces/msg/{kind}" for topic, kind in kinds.items()}
+    names = {topic: kind if "/" in kind else f"pack_interfaces/msg/{kind}" for topic, kind in kinds.items()}
     bag = Recorder(folder / "bag", [Topic(*item) for item in names.items()], TYPES)
     for at, topic, fields in sorted(rows, key=lambda row: row[0]):
         message, time_ns = make(names[topic], **fields), stamps.to_ns(float(at))
-        message.header.stamp.sec, message.header.stamp.nanosec = divmod(time_ns, 10**9)
+        if hasattr(message, "header"):
+            message.header.stamp.sec, message.header.stamp.nanosec = divmod(time_ns, 10**9)
         bag.write(topic, time_ns, bytes(TYPES.serialize_cdr(message, names[topic])))
     bag.close()
     return folder
@@ -125,6 +128,31 @@ def test_after_a_jump_plots_and_log_are_those_of_a_recording_that_was_played(
             if kind is not PackingPage:  # a force changes faster than it is plotted
                 again = [np.interp(points[:, 0], wanted[:, 0], column) for column in wanted.T]
                 np.testing.assert_allclose(points, np.transpose(again), rtol=0.02, atol=2 * PERIOD)
+
+
+def orders_bag(folder: Path) -> Path:
+    """Two orders of a box each, five seconds one after the other, whose places are published first."""
+    kinds = {
+        palletizing.PALLET_STATE: "PalletState",
+        motion.GOAL_MARKERS: "visualization_msgs/msg/MarkerArray",
+    }
+    steps = (State.SPAWN, State.DEPOSIT, State.RETREAT, State.DONE)
+    rows: list[tuple[float, str, dict[str, Any]]] = [
+        (begin + 1.0 + i, palletizing.PALLET_STATE, {"state": step.label, "box": box, "place": PALLET})
+        for begin, box in ((0.0, "a"), (5.0, "b"))
+        for i, step in enumerate(steps)
+    ]
+    rows += [(begin + 0.5, motion.GOAL_MARKERS, {}) for begin in (0.0, 5.0)]
+    return write(folder, kinds, rows)
+
+
+@pytest.mark.parametrize("way", [(9.0,), (4.5, 9.0), (9.5, 2.0, 9.0)])
+def test_each_order_begins_with_nothing_placed(
+    server: ViserServer, tmp_path: Path, way: tuple[float, ...]
+) -> None:
+    page, news = open_recording(server, orders_bag(tmp_path), PalletizingPage)
+    go(page, news, *way)
+    assert page.cell._progress.placed == ["b"]
 
 
 def test_states_that_were_passed_are_ticked_after_a_jump(server: ViserServer, tmp_path: Path) -> None:

@@ -165,19 +165,21 @@ def test_a_boxs_time_runs_from_its_first_state_to_that_of_the_next_box() -> None
     assert progress.placed_text(5) == "2 of 5, 10.0 s a box"  # 11 s and 9 s
 
 
-def test_another_order_begins_with_nothing_placed() -> None:
+def test_in_a_shift_boxes_are_counted_on_after_the_arm_had_nothing_to_do() -> None:
     progress = OrderProgress()
-    enter(progress, "a", (State.SPAWN, 1.0), (State.DEPOSIT, 4.0), (State.RETREAT, 5.0), (State.DONE, 6.0))
-    assert progress.placed == ["a"]
-    enter(progress, "a", (State.SPAWN, 9.0))
-    assert progress.placed == []
+    for box, time in (("a", 1.0), ("b", 9.0)):
+        visits = ((State.SPAWN, time), (State.DEPOSIT, time + 3.0), (State.RETREAT, time + 4.0))
+        enter(progress, box, *visits, (State.DONE, time + 5.0))
+    assert progress.placed == ["a", "b"]
+    assert progress.placed_text() == "2, 5.0 s a box"
 
 
 def test_a_box_that_is_left_where_it_was_or_set_aside_is_not_placed() -> None:
     progress = OrderProgress()
     enter(progress, "a", (State.GRIP_FAILED, 3.0), (State.RETREAT, 4.0))
     enter(progress, "b", (State.DEPOSIT, 9.0), (State.RETREAT, 10.0), place="reorientation_table")
-    assert progress.placed == []
+    enter(progress, "b", (State.RETURN, 11.0))
+    assert progress.placed_text() == "0"
 
 
 def test_an_order_is_under_way_from_its_first_state_to_its_end() -> None:

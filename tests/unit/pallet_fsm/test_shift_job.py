@@ -28,7 +28,7 @@ from pallet_fsm.palletizer_config import FeederConfig, PalletizerConfig, ScanCon
 from pallet_fsm.report import BoxOutcome
 from pallet_fsm.shift_floor import STRAIGHT_DOWN, ShiftFloor
 from pallet_fsm.shift_job import ShiftJob
-from unit.pallet_fsm import fake_shift
+from unit.pallet_fsm import fake_motion, fake_shift
 from unit.pallet_fsm.fake_motion import REFUSED, segments
 from unit.pallet_fsm.fake_shift import CELL, Came, FakeShiftCell, ShiftRunning, go_on, listed, run_shift
 from unit.pallet_fsm.faults import Faults
@@ -277,6 +277,28 @@ def test_what_was_to_stand_on_a_box_that_goes_elsewhere_is_decided_on_anew() -> 
     floor.decide_anew(above)
     assert floor.buffered == (items[1],)
     assert floor.boxes_of(REORIENTATION_TABLE)[0].X_WB is aside.X_WB
+
+
+def test_a_box_that_was_to_stand_on_the_one_in_the_hand_goes_elsewhere_with_it(
+    without_a_way, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(fake_shift, "ON_THE_WAY", 0.0)
+    monkeypatch.setattr(fake_motion, "TICKS", 8)  # slow enough to decide on the second one meanwhile
+    apply = FakeShiftCell.apply
+
+    def closing(cell: FakeShiftCell, command: Command) -> None:
+        apply(cell, command)
+        if isinstance(command, AskPlace) and command.question.known[0].id == "b2" and not without_a_way:
+            cell.faults.lost_ways = 1
+            without_a_way.add(PALLET)
+
+    monkeypatch.setattr(FakeShiftCell, "apply", closing)
+    shift = run_shift([Came("wide")] * 2, [listed("wide", (1.1, 0.75, 0.15))])
+    decided = [(event.box, event.place) for event in shift.of(EventKind.DECIDED)]
+    assert decided == [("b1", PALLET), ("b2", PALLET), ("b1", SECOND_PALLET), ("b2", SECOND_PALLET)]
+    put_down = [(event.box, event.place) for event in shift.of(EventKind.PUT_DOWN)]
+    assert put_down == [("b1", SECOND_PALLET), ("b2", SECOND_PALLET)]
+    assert shift.job.reason == "all boxes came"
 
 
 def nudged(monkeypatch: pytest.MonkeyPatch, by: tuple[float, float, float]) -> ShiftRunning:

@@ -145,14 +145,15 @@ class Motions:
         return Path((over, Line(X_WT, speed.descend, entry_speed=speed.descend, label="down")))
 
     def retreat(self, X_WT: Pose) -> Path:
-        """Up from a pose between blocks, and out of the camera's sight."""
-        return Path((self._up(X_WT), self._home()))
+        """Up from a pose between blocks, and out of the camera's sight; from above them at once."""
+        is_above = X_WT.p[2] >= self._config.hover
+        return Path((self._home(),) if is_above else (self._up(X_WT), self._home()))
 
     def carry(self, X_WT: Pose, X_WG: Pose) -> Path:
         """Up with a block, across, and down to where it is let go."""
-        # The block reaches as far below the tips as they are above the table now.
-        speed = self._config.speed
-        height = max(self._config.carry_height, self._tallest + float(X_WT.p[2]) + CARRY_CLEARANCE)
+        # The block reaches as far below the tips as they are above the table where it stands.
+        speed, depth = self._config.speed, float(min(X_WT.p[2], X_WG.p[2]))
+        height = max(self._config.carry_height, self._tallest + depth + CARRY_CLEARANCE)
         acceleration = speed.carry_acceleration
         near = self._raised(X_WG, X_WG.p[2] + TOUCH_DISTANCE)
         return Path((

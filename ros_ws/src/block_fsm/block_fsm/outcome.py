@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from pack_core.blocks.primitive_action import PrimitiveAction
+from pack_core.rotations import Pose
 
 
 class Phase(Enum):
@@ -95,7 +96,15 @@ class Refused(Exception):
 
 
 class Blocked(Exception):
-    """Raised where the arm got stuck at something that nobody saw; the message says in which move."""
+    """Raised where the arm got stuck at something that nobody saw; the message says in which move.
+
+    Attributes:
+        X_WT: where the tool is.
+    """
+
+    def __init__(self, X_WT: Pose, message: str) -> None:
+        super().__init__(message)
+        self.X_WT = X_WT
 
 
 class Ended(Exception):

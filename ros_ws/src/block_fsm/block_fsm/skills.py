@@ -98,7 +98,7 @@ class Skills:
         try:
             yield from self._move(self._motions.approach(grip), primitive=grasp)
         except Blocked as blocked:
-            yield from self._withdraw(grip, blocked)
+            yield from self._withdraw_from(blocked)
             return
         if held_instead := (yield from self._hold(action.block, width)):
             yield from self._let_go(grip, wide, action.block, action.start)
@@ -112,7 +112,7 @@ class Skills:
             yield from self._let_go(grip, wide, action.block, action.start)
             raise
         except Blocked as blocked:
-            yield from self._move(self._motions.carry(release, grip), action.block, carried)
+            yield from self._move(self._motions.carry(blocked.X_WT, grip), action.block, carried)
             yield from self._let_go(grip, wide, action.block, action.start)
             self._note_failure(ExitReason.MOTION_FAILED, str(blocked))
             return
@@ -131,28 +131,28 @@ class Skills:
         (push,) = primitives_of(action)
         self.phase = Phase.PUSH
         yield from self._fingers(self._gripper.push_gap)
-        at, carried = start, self._obstacles.carried(end, action.block, action.end)
+        is_behind, carried = False, self._obstacles.carried(end, action.block, action.end)
         try:
             yield from self._move(self._motions.approach(start), primitive=push)
-            at = end
+            is_behind = True
             yield from self._move(self._motions.push(end), action.block, carried, primitive=push)
         except Blocked as blocked:
-            yield from self._withdraw(at, blocked)
+            yield from self._withdraw_from(blocked)
             return
         except Refused:
-            if at is end:  # behind the block; a refused approach has moved nothing
-                yield from self._withdraw(start)
+            if is_behind:  # a refused approach has moved nothing
+                self.phase = Phase.RETREAT
+                yield from self._move(self._motions.retreat(start))
             raise
         self._failed_in_a_row, self.phase = 0, Phase.RETREAT
         self.seen = {**self.seen, action.block: action.end}
         yield from self._move(self._motions.back_off(start, end), touched=action.block)
 
-    def _withdraw(self, X_WT: Pose, blocked: Blocked | None = None) -> Asking:
-        """Go up from a pose with nothing in the fingers, and count what blocked the arm there."""
+    def _withdraw_from(self, blocked: Blocked) -> Asking:
+        """Go up from where something blocks the arm, with nothing in the fingers, and count it."""
         self.phase = Phase.RETREAT
-        yield from self._move(self._motions.retreat(X_WT))
-        if blocked is not None:
-            self._note_failure(ExitReason.MOTION_FAILED, str(blocked))
+        yield from self._move(self._motions.retreat(blocked.X_WT))
+        self._note_failure(ExitReason.MOTION_FAILED, str(blocked))
 
     def _note_failure(self, reason: ExitReason, message: str) -> None:
         """Count an action that failed; raises Ended where too many did in a row."""
@@ -203,7 +203,7 @@ class Skills:
             where = "" if status.state is MotionState.REFUSED else f" in '{status.label}'"
             text = f"{status.state.value}{where}: {status.reason}"
             if status.state is MotionState.STUCK and primitive is not None:
-                raise Blocked(text)
+                raise Blocked(status.X_WT, text)
             raise Ended(ExitReason.MOTION_FAILED, text)
 
     def _fingers(self, opening: float) -> Generator[ExecutorRequest, Any, FingerState]:

@@ -10,7 +10,6 @@ from typing import Any
 
 from pydantic import Field
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy
 
 from pack_core.cells import CELLS, cell_part
 from pack_core.config import Config
@@ -71,9 +70,7 @@ class LiveNews:
 
 def _stream(node: Node, contract: Contract, is_state: bool) -> Any:
     """A stream of the newest message alone, or of every message."""
-    assert contract.qos is not None
-    is_latched = contract.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL
-    if is_state and not is_latched:
+    if is_state and not contract.is_latched:
         return Stream(node, replace(contract, qos=NEWEST))
     return Stream(node, contract, depth=1 if is_state else QUEUE)
 

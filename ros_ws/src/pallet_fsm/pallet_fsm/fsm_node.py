@@ -145,6 +145,7 @@ class PalletFsmNode(GoalNode):
             return ShiftJob(cell, catalogue, self._config.shift, self._config, boxes, found)
 
         self._cell.begin_shift()
+        self._goals.publish(goal_markers({}))  # of the last order
         with ShiftJournal(Path(request.folder) / JOURNAL, before.facts) as journal:
             standing, clearances = standing_by_journal(before.events), self._config.shift.clearances(cell)
             look = TakeOverLook(cell, standing, self._config, clearances)

@@ -344,7 +344,7 @@ class ShiftJob:
         """Have rejected boxes and full pallets taken away that the arm has left, and forget skipped boxes."""
         commands: list[Command] = []
         for work in [work for work in self._floor.work if work.outcome is BoxOutcome.SKIPPED]:
-            if work is not self._busy:
+            if work is not self._busy and work not in self._unreported:
                 self._floor.forget(work)
         for work in self._floor.boxes_of(REJECT_TABLE):
             if work.is_finished and work is not self._busy:

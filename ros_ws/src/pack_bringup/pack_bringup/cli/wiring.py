@@ -96,7 +96,7 @@ def _qos_text(contract: Contract) -> str:
     if contract.qos is None:
         return ""
     words = [contract.qos.reliability.name.lower(), f"depth {contract.qos.depth}"]
-    if contract.qos.durability.name == "TRANSIENT_LOCAL":
+    if contract.is_latched:
         words.append("latched")
     return ", ".join(words)
 

@@ -13,7 +13,6 @@ from action_msgs.msg import GoalStatus, GoalStatusArray
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from pack_interfaces.msg import NodeStatus
 from pydantic import Field
-from rclpy.qos import qos_profile_action_status_default
 
 from pack_bringup.graph.graph import load_graph
 from pack_bringup.job import CellGoal
@@ -26,7 +25,7 @@ from pack_core.cells import CELLS, cell_part, check_cell, optional_cell_part
 from pack_core.config import Config
 from pack_core.errors import PackError
 from pack_core.ros.contracts import shared
-from pack_core.ros.contracts.contract import EVENTS, Contract
+from pack_core.ros.contracts.contract import EVENTS, Contract, goal_states_of
 from pack_core.ros.contracts.table import goal_actions, wiring_of
 from pack_core.ros.node import CellNode
 from pack_core.ros.node_status import LISTENING
@@ -111,7 +110,7 @@ class OpcuaNode(CellNode):
             for topic in self.view.production.topics
         ]
         # The last, because a goal's end is told after the reasons for it.
-        return heard + [(Stream(self, _status_of(action)), self._on_goals) for action in actions]
+        return heard + [(Stream(self, goal_states_of(action, "user")), self._on_goals) for action in actions]
 
     def _turn(self) -> None:
         # The ends of goals are taken first and told last: by then all has come that says why they ended.
@@ -238,14 +237,6 @@ class OpcuaNode(CellNode):
             told(reason)
 
         return tell
-
-
-def _status_of(action: Contract) -> Contract:
-    """The topic on which an action's server tells the states of its goals (design.ros2.org, actions)."""
-    return Contract(
-        f"{action.name}/_action/status", GoalStatusArray, action.targets, ("user",),
-        f"states of the goals of {action.name}", qos=qos_profile_action_status_default,
-    )  # fmt: skip
 
 
 def main() -> int:

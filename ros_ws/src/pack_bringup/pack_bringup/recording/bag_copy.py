@@ -6,12 +6,11 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 
-from rosbags.interfaces import QosDurability
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.rosbag2.errors import WriterError
 
+from pack_bringup.recording.playback import is_latched
 from pack_core import stamps
-from pack_core.bag_topic import Topic
 from pack_core.errors import BagError
 from pack_evaluation.raw_bag import read_raw_bag
 
@@ -45,7 +44,7 @@ def copy_bag(
         BagError: the source is not readable, or the target exists.
     """
     raw = read_raw_bag(source, topics)
-    latched = {name for name, topic in raw.topics.items() if _is_latched(topic)}
+    latched = {name for name, topic in raw.topics.items() if is_latched(topic)}
     first = {name: 0.0 if name in latched else start for name in raw.topics}
     wanted = [item for item in raw.messages if first[item.topic] <= stamps.to_seconds(item.time_ns) <= end]
     try:
@@ -63,7 +62,3 @@ def copy_bag(
     except (OSError, WriterError) as error:
         raise BagError(f"cannot write {target}: {error}; give a folder that does not exist yet") from error
     return Copied(len(wanted), raw.is_cut, raw.damaged, raw.notes)
-
-
-def _is_latched(topic: Topic) -> bool:
-    return any(qos.durability is QosDurability.TRANSIENT_LOCAL for qos in topic.offered_qos)

@@ -100,14 +100,14 @@ def load_playback(
         item for item in raw.messages if item.topic in chosen and stamps.to_seconds(item.time_ns) <= end
     ]
     first_ns = _first(within, chosen, start)
-    if first_ns is None and within and all(_is_latched(chosen[m.topic]) for m in within):
+    if first_ns is None and within and all(is_latched(chosen[m.topic]) for m in within):
         raise BagError(
             f"{raw.path} has of {', '.join(chosen)} only what is sent once; what the node works on was not "
             "recorded, as pictures are not without recorder.pictures"
         )
     if first_ns is None:
         raise BagError(f"{raw.path} has no message to play on {', '.join(chosen)} from {start} s to {end} s")
-    early = tuple(m for m in within if m.time_ns < first_ns and _is_latched(chosen[m.topic]))
+    early = tuple(m for m in within if m.time_ns < first_ns and is_latched(chosen[m.topic]))
     rest = tuple(m for m in within if m.time_ns >= first_ns)
     return Playback(raw.path, chosen, raw.types, early, rest, raw.is_cut)
 
@@ -126,11 +126,12 @@ def _first(messages: Sequence[RawMessage], topics: Mapping[str, Topic], start: f
         (
             m.time_ns
             for m in messages
-            if stamps.to_seconds(m.time_ns) >= start and not _is_latched(topics[m.topic])
+            if stamps.to_seconds(m.time_ns) >= start and not is_latched(topics[m.topic])
         ),
         None,
     )
 
 
-def _is_latched(topic: Topic) -> bool:
+def is_latched(topic: Topic) -> bool:
+    """Whether a late listener to a recorded topic was sent its newest message."""
     return any(qos.durability is QosDurability.TRANSIENT_LOCAL for qos in topic.offered_qos)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time
 from datetime import datetime
+from functools import partial
 from operator import itemgetter
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,6 @@ from pack_bringup.recording.goal_gate import GoalGate, Sent
 from pack_bringup.recording.recorder import Recorder
 from pack_bringup.recording.ros.recorded_topics import (
     GoalsInProgress,
-    is_latched,
     message_types,
     status_contracts,
     to_bag_topic,
@@ -29,10 +29,10 @@ from pack_core import stamps
 from pack_core.cells import optional_cell_part
 from pack_core.config import Config
 from pack_core.errors import BagError, MessageError, PackError
-from pack_core.motion.topics import JOINT_STATES
 from pack_core.namespace import ROOT
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
+from pack_core.ros.contracts.motion import JOINT_STATES
 from pack_core.ros.contracts.table import nodes_of, recorded
 from pack_core.ros.messages.conversions import stamp_in
 from pack_core.ros.node import CellNode
@@ -138,8 +138,9 @@ class RecorderNode(CellNode):
         self._run_files = run_files(self.folder) if run_files else None
         by_goals = config.record == "goals"
         status = status_contracts(config.cell) if by_goals else ()
+        self._statuses = {contract.name: contract for contract in status}
         self._goals = GoalsInProgress(status)
-        self._gate = GoalGate([topic.name for topic in topics if is_latched(topic)]) if by_goals else None
+        self._gate = GoalGate([topic.name for topic in topics if topic.is_latched]) if by_goals else None
         self._streams = [Stream(self, contract, depth=DEPTH, raw=True) for contract in (*topics, *status)]
         self._drain = NodeThread(self, self._wait_and_drain, "drain")
         self.watch(nodes_of(config.cell) - {self.get_name()}, self._on_peer)
@@ -205,8 +206,8 @@ class RecorderNode(CellNode):
 
     def _choose(self, sent_ns: int, topic: str, data: bytes) -> list[Sent]:
         """What is to be recorded now that this message has come."""
-        if topic in self._goals:
-            self._goals.on_status(topic, sent_ns, data)
+        if topic in self._statuses:
+            self.guard(self._statuses[topic], partial(self._goals.on_status, topic, sent_ns), data)
             return self._open_or_close(sent_ns)
         item = Sent(sent_ns, topic, self._time_of(topic, data), data)
         return [item] if self._gate is None else self._gate.take(item)
@@ -228,9 +229,13 @@ class RecorderNode(CellNode):
         """Stamp in the bag [ns]: the newest time of clock and joint states, which may be this message's."""
         if topic == shared.CLOCK.name:
             self.guard(shared.CLOCK, self._set_time, data)
-        elif topic == JOINT_STATES and 0 < (ahead := _stamp_ns(data) - self._time_ns) < CLOCK_PERIOD:
-            self._time_ns += ahead
+        elif topic == JOINT_STATES.name:
+            self.guard(JOINT_STATES, self._move_on, data)
         return self._time_ns
+
+    def _move_on(self, joint_states: bytes) -> None:
+        if 0 < (ahead := _stamp_ns(joint_states) - self._time_ns) < CLOCK_PERIOD:
+            self._time_ns += ahead
 
     def _set_time(self, clock: bytes) -> None:
         if (time_ns := _stamp_ns(clock)) < 0:

@@ -122,8 +122,9 @@ class GoalClient(CellNode):
             self._require_server()
 
     def on_peer_end(self, peer: str) -> None:
-        """Whether it comes back or not, it has forgotten the goal."""
-        self._gone.note(peer, False, time.monotonic())
+        """Whether it comes back or not, it has forgotten a goal that was sent to it."""
+        if self.is_sent:
+            self._gone.note(peer, False, time.monotonic())
 
     def cancel(self) -> None:
         """Have the goal ended as soon as it has been taken; its result comes as of any goal."""

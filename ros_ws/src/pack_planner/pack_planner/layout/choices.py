@@ -17,6 +17,8 @@ from pack_planner.layout.axis_program import AxisProgram, Relation
 TOLERANCE = 1e-8
 """A gap counts as reached when less than this is missing [m]."""
 
+Node = tuple[frozenset[Relation], ...]
+"""The relations along each axis."""
 Choice = tuple[int, Relation]
 """An index of an axis and a relation of two boxes along it."""
 
@@ -47,27 +49,30 @@ class Search:
         return self.tried <= self.limit
 
     def run(self) -> None:
-        """Search, starting from no relation at all."""
-        self._descend((frozenset(), frozenset()))
+        """Search depth first, starting from no relation at all."""
+        nodes: list[Node] = [(frozenset(), frozenset())]
+        while nodes and self.is_complete:
+            nodes += reversed(self._branch(nodes.pop()))
 
-    def _descend(self, relations: tuple[frozenset[Relation], ...]) -> None:
+    def _branch(self, relations: Node) -> list[Node]:
+        """The nodes that descend from one and may be cheaper than the best so far, the cheapest first."""
         self.tried += 1
         if not self.is_complete:
-            return
+            return []
         solved = [program.solve(chosen) for program, chosen in zip(self.programs, relations, strict=True)]
         ways = [way for way in solved if way is not None]
         cost = sum(way[1] for way in ways)
         if len(ways) < len(solved) or cost >= self.cost * (1.0 - TOLERANCE):
-            return
+            return []
         displacements = np.stack([way[0] for way in ways], axis=1)
         choices = self._next_choices(displacements)
         if choices is None:
             self.displacements, self.cost = displacements, cost
-            return
-        for axis, relation in choices:
-            chosen = list(relations)
-            chosen[axis] = relations[axis] | {relation}
-            self._descend(tuple(chosen))
+            return []
+        return [
+            (*relations[:axis], relations[axis] | {relation}, *relations[axis + 1 :])
+            for axis, relation in choices
+        ]
 
     def _next_choices(self, displacements: Array) -> list[Choice] | None:
         """The ways to part the next pair, the smallest correction first; None when all pairs are apart.

@@ -20,8 +20,11 @@ from pack_core.robots.ur10e import LIMITS
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion
 from pack_core.ros.messages.blocks import to_tags
-from pack_sim.blocks.ros.publishers import BlocksPublisher, CameraPublisher
+from pack_core.rotations import Array
+from pack_sim.blocks.overhead_camera import OverheadCamera
+from pack_sim.blocks.ros.publishers import BlocksPublisher
 from pack_sim.blocks.simulator import BlocksSimulator, BlocksSimulatorConfig
+from pack_sim.ros.camera_publisher import CameraPublisher
 from pack_sim.ros.physics_node import Pacing, PhysicsNode, run_sim_with_camera
 
 
@@ -43,7 +46,8 @@ class BlocksSimNode(PhysicsNode):
         self._cell, self._finger_commands = blocks_cell(), 0
         self._publisher = BlocksPublisher(self, self._config.timestep)
         self._tags = self.advertise(contracts.TAGS)
-        self._camera = CameraPublisher(self, self._cell, self._config.timestep, shadows=self._config.shadows)
+        intrinsics = self._cell.camera.pinhole
+        self._camera = CameraPublisher[Array](self, contracts.IMAGE, contracts.CAMERA_INFO, intrinsics)
         path = self._config.problem or config_path("scenarios", "blocks", "example.yaml")
         self._simulator = self._build(load_problem(Path(path), self._cell), 0.0)
         self.show(describe_robot(self._cell)).fix(fixed_frames(self._cell))
@@ -66,7 +70,8 @@ class BlocksSimNode(PhysicsNode):
 
     def _build(self, problem: Problem, start: float) -> BlocksSimulator:
         tags = {block.id: number for number, block in enumerate(problem.blocks)}
-        self._camera.open(tags, problem.sizes)
+        timestep, shadows = self._config.timestep, self._config.shadows
+        self._camera.open(OverheadCamera(self._cell, tags, timestep, shadows=shadows, sizes=problem.sizes))
         self._tags.publish(to_tags(tags, problem.sizes))
         return BlocksSimulator(self._cell, tags, problem.starts, self._config, start, problem.sizes)
 

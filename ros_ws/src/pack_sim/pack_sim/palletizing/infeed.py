@@ -110,21 +110,22 @@ class Infeed:
             physics.data.qpos[joint.qposadr[0]] = 0.0
             physics.data.qvel[joint.dofadr[0]] = -self._speeds[name]  # towards the arm is -x
 
-    def arrival(self, physics: Physics) -> tuple[ArrivingBox, Pose] | None:
-        """The next box and where it is put down, once there is room for it at the conveyor's beginning."""
+    def bring(self, physics: Physics) -> bool:
+        """Put the next box on the conveyor once there is room for it; whether that was now."""
         box = self._next
         if box is None or physics.data.time < self._look:
-            return None
+            return False
         self._look = float(physics.data.time) + LOOK_PAUSE
         x = self._start_x - box.half_length
         room = x - box.half_length - box.gap
         if any(self._last_x(physics, other) > room for other in physics.boxes.values()):
-            return None
-        self._next, self._labels[box.body.name] = next(self._arrivals, None), box.label
+            return False
         p = np.array([
             x, self._belt.centre[1] + box.offset, self._belt.height + box.body.half_extents[2],
         ])  # fmt: skip
-        return box, Pose(p, from_yaw(box.yaw))
+        physics.add(box.body, Pose(p, from_yaw(box.yaw)))
+        self._next, self._labels[box.body.name] = next(self._arrivals, None), box.label
+        return True
 
     def forget(self, name: str) -> None:
         """Note that a box has left the cell."""

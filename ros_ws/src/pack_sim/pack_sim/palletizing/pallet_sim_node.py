@@ -24,11 +24,12 @@ from pack_core.ros.messages.palletizing import from_simulated
 from pack_sim.palletizing.arrivals import ArrivalConfig, Arrivals
 from pack_sim.palletizing.crossings import visitors_of
 from pack_sim.palletizing.infeed import ArrivingBox
-from pack_sim.palletizing.overhead_camera import PalletCameraConfig
+from pack_sim.palletizing.overhead_camera import PalletCameraConfig, Snapshot, camera_of
 from pack_sim.palletizing.place_scanner import PlaceScannerConfig
-from pack_sim.palletizing.ros.publishers import CellPublisher, PalletCameraPublisher, ScanPublisher
+from pack_sim.palletizing.ros.publishers import CellPublisher, ScanPublisher
 from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfig
 from pack_sim.palletizing.visitor_sensor import VisitorSensor, VisitorSensorConfig
+from pack_sim.ros.camera_publisher import CameraPublisher
 from pack_sim.ros.physics_node import Pacing, PhysicsNode, run_sim_with_camera
 
 
@@ -61,7 +62,10 @@ class PalletSimNode(PhysicsNode):
         self._publisher = CellPublisher(self, self._config.timestep)
         self._simulator = self._new_simulator(self._config.seed)
         self._publisher.publish_boxes(self._simulator.boxes)
-        self._camera = PalletCameraPublisher(self, self._simulator, self._config.camera)
+        # intrinsics are published as the data sheet has them
+        intrinsics = camera_of(self._simulator.nominal, self._config.camera)
+        self._camera = CameraPublisher[Snapshot](self, contracts.IMAGE, contracts.CAMERA_INFO, intrinsics)
+        self._camera.open(self._simulator.open_camera(self._config.camera))
         self._exposure: float | None = None
         """When the frame that was asked for is exposed [s]; None: none was."""
         scanner = self._simulator.open_scanner(self._config.scanner)
@@ -92,9 +96,9 @@ class PalletSimNode(PhysicsNode):
     def advance(self) -> float:
         self._publisher.step(self._simulator)
         if self._exposure is not None and self._simulator.time >= self._exposure:
-            is_exposed = self._camera.expose(self._simulator.snapshot())
+            reason = self._camera.expose(self._simulator.time, self._simulator.snapshot())
             # A frame that comes while the last picture is still being drawn is lost; the next one is taken.
-            self._exposure = None if is_exposed else self._exposure + 1.0 / self._config.camera.rate
+            self._exposure = self._exposure + 1.0 / self._config.camera.rate if reason else None
         if (seen := self._sensor.observe(self._simulator.time)) is not None:
             self._publisher.publish_obstacles(seen)
         return self._publisher.period
@@ -171,8 +175,7 @@ class PalletSimNode(PhysicsNode):
 
     def _after_change(self, response: Any) -> Any:
         response.success = not response.message
-        if response.success:
-            self._publisher.publish_boxes(self._simulator.boxes)
+        self._publisher.publish_boxes(self._simulator.boxes)  # of a reset that fails some may be there
         return response
 
     def _send_box(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
@@ -198,9 +201,8 @@ class PalletSimNode(PhysicsNode):
                 self._exposure, response.success = camera.exposure_time(self._simulator.time), True
                 return response
             snapshot = self._simulator.snapshot()
-        response.success = self._camera.expose(snapshot)
-        if not response.success:
-            response.message = "the last picture is still being made"
+        response.message = self._camera.expose(snapshot.time, snapshot)
+        response.success = not response.message
         return response
 
     def _scan(self, place: str, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:

@@ -289,9 +289,7 @@ class PalletSimulator:
     def _put_on_belt(self) -> None:
         """Put the next box on the conveyor, once there is room for it."""
         assert self._infeed is not None
-        arrival = self._infeed.arrival(self._physics)
-        if arrival is not None:
-            self._physics.add(arrival[0].body, arrival[1])
+        if self._infeed.bring(self._physics):
             self.contacts.index(self._physics.model)
 
     def _tell_load(self, held: str) -> None:

@@ -71,7 +71,7 @@ SHOWN = 12
 
 
 class OrderProgress:
-    """Follows the machine through an order.
+    """Follows the machine through one order, or a shift, in which it may end and begin again.
 
     Attributes:
         placed: names of the boxes that were set down on the pallet, in order, each once.
@@ -88,14 +88,13 @@ class OrderProgress:
     def enter(self, state: str, box: str, place: str, reason: str, time: float) -> None:
         """The machine entered a state at `time` [s], with the box in work, which goes to `place`."""
         before, last = self._state, self._box
-        if state == STEP_LABELS[0] and last and last != box and last in self.placed:
+        is_next = state == STEP_LABELS[0] and last != box and before not in END_LABELS
+        if is_next and last in self.placed:
             self._took[last] = time - self._began[last]  # a box's cycle ends where the next one's begins
-        if before == State.RETREAT.label and box == last:
+        if before == State.RETREAT.label and box == last and box in self.placed:
             self._took[box] = time - self._began[box]  # the last box of an order has no successor
         if box != self._box or (state == STEP_LABELS[0] and self._state in END_LABELS):
             self._visited = []
-        if state == STEP_LABELS[0] and self._state in END_LABELS:  # another order begins
-            self._failed, self._began, self._took, self.placed = {}, {}, {}, []
         self._state, self._box, self._reason = state, box, reason
         self._visited.append(state)
         self._began.setdefault(box, time)

@@ -37,7 +37,7 @@ class PalletizingPage(CellPage):
             motion.GOAL_MARKERS,
         ),
         events=(topics.PALLET_STATE, topics.BOX_DETECTION, topics.CONTACTS, topics.RESULT),
-        followed=(motion.MOTION_STATUS, topics.GRIPPER_STATE),
+        followed=(motion.MOTION_STATUS, topics.GRIPPER_STATE, motion.GOAL_MARKERS),
     )  # fmt: skip
     scene_type = PalletScene
     presets = (
@@ -66,8 +66,9 @@ class PalletizingPage(CellPage):
         self.scene.update(news)
         self._grip = news.newest(topics.GRIPPER_STATE) or self._grip
         self._motion = news.newest(motion.MOTION_STATUS) or self._motion
-        if markers := news.newest(motion.GOAL_MARKERS):
+        if markers := news.newest(motion.GOAL_MARKERS):  # an order, or a shift, begins
             self._places.set(markers.markers)
+            self._progress = OrderProgress()
         for state in news.all(topics.PALLET_STATE):
             self._take_state(state)
         self._places.take(self._progress.placed)

@@ -12,7 +12,7 @@ from pack_interfaces.msg import PalletState
 from pack_core.errors import ConfigError
 from pack_core.palletizing.cell import REORIENTATION_TABLE, PalletizingCell
 from pack_core.palletizing.orders.item_list import Item
-from pack_core.palletizing.ports import Command, PalletObservation, PursueTarget, ScanPlace
+from pack_core.palletizing.ports import Command, PalletObservation, PursueTarget, ScanPlace, StopArm
 from pack_core.palletizing.shift_journal import (
     JOURNAL,
     SETTLED,
@@ -205,6 +205,7 @@ class ShiftGoalRun:
         for command in found:
             self._apply(command)
         if self._halted:
+            self._apply(StopArm())  # it may be on its way out of where it hides something
             self._node.end_goal()
 
     def _tell(self, events: Sequence[ShiftEvent]) -> None:

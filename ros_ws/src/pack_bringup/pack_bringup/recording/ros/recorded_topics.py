@@ -8,14 +8,14 @@ from pathlib import Path
 
 from action_msgs.msg import GoalStatus, GoalStatusArray
 from ament_index_python.packages import get_package_share_directory
-from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_action_status_default
+from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
 from pack_core.bag_topic import Topic
-from pack_core.ros.contracts.contract import Contract, Kind
+from pack_core.ros.contracts.contract import Contract, Kind, goal_states_of
 from pack_core.ros.contracts.table import wiring_of
 
 INTERFACES = "pack_interfaces"
@@ -49,12 +49,6 @@ FOREVER = QosTime(9223372036, 854775807)
 """How ROS 2 writes that a deadline, lifespan or lease never ends."""
 
 
-def is_latched(contract: Contract) -> bool:
-    """Whether a late listener is sent the topic's newest message."""
-    assert contract.qos is not None, f"{contract.name} is no topic"
-    return bool(contract.qos.durability == DurabilityPolicy.TRANSIENT_LOCAL)
-
-
 def to_bag_topic(contract: Contract) -> Topic:
     """A topic of the wiring tables as a bag describes it."""
     package = contract.type.__module__.split(".")[0]
@@ -80,13 +74,10 @@ def status_contracts(cell: str) -> tuple[Contract, ...]:
     The action of a driver's controller is none of them: its goals are pieces of a move.
     """
     return tuple(
-        Contract(
-            f"{action.name}/_action/status", GoalStatusArray, action.targets, ("recorder",),
-            "state of each goal", qos=qos_profile_action_status_default,
-        )
+        goal_states_of(action, "recorder")
         for action in wiring_of(cell)
         if action.kind is Kind.ACTION and "user" not in action.targets
-    )  # fmt: skip
+    )
 
 
 class GoalsInProgress:
@@ -106,9 +97,6 @@ class GoalsInProgress:
             sent_ns > max(self._lost_ns.get(server, -1) for server in self._servers[topic])
             for topic, sent_ns in self._active_ns.items()
         )
-
-    def __contains__(self, topic: str) -> bool:
-        return topic in self._servers
 
     def on_status(self, topic: str, sent_ns: int, data: bytes) -> None:
         """Take in a message of a status topic in CDR form, sent at `sent_ns` [ns of wall clock]."""

@@ -7,7 +7,14 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from action_msgs.msg import GoalStatusArray
+from rclpy.qos import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    QoSProfile,
+    ReliabilityPolicy,
+    qos_profile_action_status_default,
+)
 
 
 class Kind(Enum):
@@ -32,6 +39,12 @@ class Contract:
     rate: str = ""
     recorded: bool = False
 
+    @property
+    def is_latched(self) -> bool:
+        """Whether a late listener to the topic is sent its newest message."""
+        assert self.qos is not None, f"{self.name} is no topic"
+        return bool(self.qos.durability == DurabilityPolicy.TRANSIENT_LOCAL)
+
 
 def contracts_in(names: Mapping[str, object]) -> tuple[Contract, ...]:
     """The contracts among a module's names, in the order in which they stand there."""
@@ -46,6 +59,17 @@ def events_of(service: Contract) -> Contract:
     return Contract(
         f"{service.name}/_service_event", service.type.Event, service.targets, ("recorder",),
         f"requests and answers of {service.name}", qos=EVENTS, rate="each request and answer", recorded=True,
+    )  # fmt: skip
+
+
+def goal_states_of(action: Contract, target: str) -> Contract:
+    """The topic on which the node that pursues an action's goals tells their states, for who listens to it.
+
+    The middleware does this, as for every action (design.ros2.org, actions).
+    """
+    return Contract(
+        f"{action.name}/_action/status", GoalStatusArray, action.targets, (target,),
+        f"states of the goals of {action.name}", qos=qos_profile_action_status_default,
     )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""What the simulated palletizing cell publishes: its state, each topic at its rate, pictures and scans."""
+"""What the simulated palletizing cell publishes: its state, each topic at its rate, and scans."""
 
 from __future__ import annotations
 
@@ -9,22 +9,18 @@ from pack_interfaces.msg import UnwantedContact
 from std_msgs.msg import String
 
 from pack_core import topics as shared_topics
-from pack_core.camera import Picture
 from pack_core.palletizing import topics
 from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.infeed import PlacesAway
 from pack_core.robots.kr210 import JOINTS
 from pack_core.ros.contracts import motion, shared
 from pack_core.ros.contracts import palletizing as contracts
-from pack_core.ros.messages.camera import to_camera_info, to_image
 from pack_core.ros.messages.conversions import to_stamp
 from pack_core.ros.messages.motion import to_obstacles
 from pack_core.ros.messages.palletizing import to_cloud, to_gripper_state, to_infeed, to_places
 from pack_core.ros.messages.serialized import ClockWriter, JointStateWriter, SceneWriter
 from pack_core.ros.node import CellNode
 from pack_core.topics import steps_between
-from pack_sim.camera_thread import CameraThread
-from pack_sim.palletizing.overhead_camera import PalletCameraConfig, Snapshot, camera_of
 from pack_sim.palletizing.place_scanner import PhysicsSnapshot, PlaceScanner
 from pack_sim.palletizing.simulator import PalletSimulator
 from pack_sim.palletizing.visitor_sensor import Observation
@@ -96,42 +92,6 @@ class CellPublisher:
         """Publish the boxes that are in the cell, as YAML."""
         rows = [{"name": box.name, "size": list(box.size), "mass": box.mass} for box in boxes]
         self._boxes.publish(String(data=yaml.safe_dump(rows)))
-
-
-FRAME = "overhead_camera"
-
-
-class PalletCameraPublisher:
-    """Publishes each picture with the intrinsics of the camera.
-
-    Args:
-        node: the node that publishes.
-        simulator: the cell that the camera sees; intrinsics are published as the data sheet has them.
-        config: size of the pictures.
-    """
-
-    def __init__(self, node: CellNode, simulator: PalletSimulator, config: PalletCameraConfig) -> None:
-        overhead = simulator.open_camera(config)
-        self._node, self._camera = node, camera_of(simulator.nominal, config)
-        self._image = node.advertise(contracts.IMAGE)
-        self._info = node.advertise(contracts.CAMERA_INFO)
-        self._thread = CameraThread(overhead, self._publish, self._report)
-
-    def expose(self, snapshot: Snapshot) -> bool:
-        """Start to draw a picture; False while the last one is still being drawn."""
-        return self._thread.expose(snapshot.time, snapshot)
-
-    def close(self) -> None:
-        """Stop the threads that draw and publish pictures."""
-        self._thread.close()
-
-    def _publish(self, time: float, picture: Picture) -> None:
-        self._info.publish(to_camera_info(time, self._camera, FRAME))
-        self._image.publish(to_image(time, picture, FRAME))
-
-    def _report(self, error: str) -> None:
-        self._node.health.faults["camera"] = error
-        self._node.get_logger().error(error)
 
 
 class ScanPublisher:
