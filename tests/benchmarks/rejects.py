@@ -16,10 +16,9 @@ from rich.table import Table
 
 from pack_core.errors import PackError
 from pack_core.palletizing.ports import DiscardBox
-from pack_lockstep.palletizing.shift import BoxStreamConfig, stream_of
+from pack_lockstep.palletizing.shift import stream_of
 from pack_lockstep.palletizing.shift_lockstep import shift_run_setup
 from pack_lockstep.palletizing.stepped_cell import SteppedCell
-from pack_planner.layout.online_planner import OnlineConfig
 from pack_sim.palletizing.arrivals import ArrivalConfig, Arrivals
 from pallet_fsm.intake import Arrival, Intake
 
@@ -45,7 +44,7 @@ def judged(cell: SteppedCell, intake: Intake) -> Arrival:
 
 def main(planted: int = 200, good: int = 1000, seed: int = 1200) -> None:
     """Judge boxes and print the table."""
-    setup = shift_run_setup(OnlineConfig(), BoxStreamConfig(), ArrivalConfig(faulty=SHARE))
+    setup = shift_run_setup(arrivals=ArrivalConfig(faulty=SHARE))
     stream = setup.stream
     arrivals = Arrivals(stream.items, stream_of(stream, seed), setup.arrivals, seed)
     rng = np.random.default_rng(seed)

@@ -6,15 +6,13 @@ from pathlib import Path
 import pytest
 
 from pack_core.palletizing.shift_journal import EventKind, ShiftJournal, read_journal
-from pack_lockstep.palletizing.shift import BoxStreamConfig
 from pack_lockstep.palletizing.shift_lockstep import ShiftLockstep, ShiftRunSetup, shift_run_setup
-from pack_planner.layout.online_planner import OnlineConfig
 from pack_sim.palletizing.arrivals import ArrivalConfig
 
 
 def setup_with_a_short_conveyor() -> ShiftRunSetup:
     """The cell for shifts; boxes have less far to come."""
-    setup = shift_run_setup(OnlineConfig(), BoxStreamConfig(), ArrivalConfig(faulty=0.0))
+    setup = shift_run_setup(arrivals=ArrivalConfig(faulty=0.0))
     cell = setup.stream.cell
     infeed = cell.shift.infeed.model_copy(update={"length": 0.9})
     places = cell.shift.model_copy(update={"infeed": infeed})

@@ -33,10 +33,10 @@ from pack_bringup.graph.launch import (
     security_environment,
 )
 from pack_bringup.viewers import PageProcess
+from pack_core.addresses import PAGE_PORT
 from pack_core.cells import CELLS
 from pack_core.namespace import ROOT, checked_namespace
 
-PAGE_PORT = 8210
 OPTIONAL = {
     "seed": "seed of the scene (packing), or of where boxes arrive (palletizing)",
     "scene": "a scene file (packing) or a problem file (blocks)",

@@ -9,6 +9,7 @@ from pydantic import Field
 from rosbags.typesys.store import Typestore
 
 from pack_bringup.recording.ros.recorded_topics import message_types
+from pack_core.addresses import FOXGLOVE_PORT, LOOPBACK
 from pack_core.cells import check_cell
 from pack_core.config import Config
 from pack_core.errors import ConfigError
@@ -25,7 +26,6 @@ try:
 except ModuleNotFoundError:  # an extra, which `make setup` does not install
     foxglove = None
 
-HOST = "127.0.0.1"
 """Browsers of any web page may connect, so nothing but this machine is listened to, and nothing is taken."""
 PERIOD = 1.0 / 30.0
 """Time between two checks of the topics [s of wall clock]."""
@@ -35,7 +35,7 @@ class FoxgloveNodeConfig(Config):
     """Parameters of the node `foxglove`."""
 
     cell: str = Field(default="packing", description="whose topics are served")
-    port: int = Field(default=8765, ge=1, le=65535, description="of the server, on 127.0.0.1")
+    port: int = Field(default=FOXGLOVE_PORT, ge=1, le=65535, description=f"of the server, on {LOOPBACK}")
 
 
 class ServedTopic:
@@ -117,12 +117,12 @@ def _start_server(config: FoxgloveNodeConfig) -> Any:
     """The server, without the capabilities with which a client could publish, call or set anything."""
     try:
         return foxglove.start_server(
-            name=f"PackCell, {config.cell}", host=HOST, port=config.port,
+            name=f"PackCell, {config.cell}", host=LOOPBACK, port=config.port,
             capabilities=[foxglove.websocket.Capability.Time],
         )  # fmt: skip
     except (OSError, RuntimeError) as error:
         raise ConfigError(
-            f"port {config.port} of {HOST}: {error}; choose another with the parameter `port`"
+            f"port {config.port} of {LOOPBACK}: {error}; choose another with the parameter `port`"
         ) from error
 
 

@@ -9,14 +9,12 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 
 from pack_bringup.graph.executables import find_executable
+from pack_core.addresses import FOXGLOVE_PORT, LOOPBACK, PAGE_TOKEN_VARIABLE, page_address
 from pack_core.errors import ConfigError
 from pack_core.extras import install_command
 from pack_core.namespace import ROOT
 
 NODE = "live"
-TOKEN_VARIABLE = "PACKCELL_PAGE_TOKEN"
-"""The node reads the token from here: parameters can be read by everybody in the graph, and command lines
-by everybody on the machine."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +31,7 @@ class PageProcess:
 
     cell: str
     port: int
-    host: str = "127.0.0.1"
+    host: str = LOOPBACK
     token: str = ""
     namespace: str = ROOT
 
@@ -47,7 +45,7 @@ class PageProcess:
 
     def environment(self) -> dict[str, str]:
         """What the node reads from its environment."""
-        return {TOKEN_VARIABLE: self.token} if self.token else {}
+        return {PAGE_TOKEN_VARIABLE: self.token} if self.token else {}
 
     @property
     def announcement(self) -> str:
@@ -57,13 +55,13 @@ class PageProcess:
 
 def announcement(host: str, port: int, token: str = "") -> str:
     """A line that says where a page is, and how to open it on a machine with a display."""
-    address = f"http://{host}:{port}" + (f"/?token={token}" if token else "")
+    address = page_address(host, port, token)
     has_display = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     return f"page: {address}" + (f"  (xdg-open {address})" if has_display and sys.stdout.isatty() else "")
 
 
 FOXGLOVE = "foxglove"
-FOXGLOVE_ADDRESS = "ws://127.0.0.1:8765"
+FOXGLOVE_ADDRESS = f"ws://{LOOPBACK}:{FOXGLOVE_PORT}"
 INSTALL = install_command("foxglove", "--require-hashes")
 
 

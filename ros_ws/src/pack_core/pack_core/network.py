@@ -19,6 +19,7 @@ from xml.etree import ElementTree
 
 from ament_index_python.resources import get_resources
 
+from pack_core.addresses import LAST_DOMAIN, LOOPBACK
 from pack_core.errors import ConfigError
 
 PROFILE_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
@@ -26,9 +27,6 @@ DISCOVERY_VARIABLE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 DOMAIN_VARIABLE = "ROS_DOMAIN_ID"
 MIDDLEWARE = "rmw_fastrtps_cpp"
 """The only middleware that obeys the profile."""
-LAST_DOMAIN = 101
-"""The domains from 0 on whose ports leave Linux' ephemeral ones alone."""
-LOOPBACK = "127.0.0.1"
 NAMESPACE = "http://www.eprosima.com"
 """XML namespace of Fast DDS profiles."""
 PAGE = "docs/operate/network.md"

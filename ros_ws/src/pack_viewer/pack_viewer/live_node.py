@@ -11,6 +11,7 @@ from typing import Any
 from pydantic import Field
 from rclpy.node import Node
 
+from pack_core.addresses import LOOPBACK, PAGE_PORT, PAGE_TOKEN_VARIABLE, page_address
 from pack_core.cells import CELLS, cell_part
 from pack_core.config import Config
 from pack_core.errors import ConfigError
@@ -27,7 +28,7 @@ from pack_viewer.news import News, Topics, seconds
 from pack_viewer.ros.parameter_sliders import ParameterSliders
 from pack_viewer.ros.run_form import RunForm
 from pack_viewer.run_panel import RunPanel
-from pack_viewer.web_server import DEFAULT_PORT, LOOPBACK, open_server, page_address
+from pack_viewer.web_server import open_server
 
 JOINT_STATES = "/joint_states"
 """Tells simulated time: every cell has it, often, and stamped by the simulator."""
@@ -75,10 +76,6 @@ def _stream(node: Node, contract: Contract, is_state: bool) -> Any:
     return Stream(node, contract, depth=1 if is_state else QUEUE)
 
 
-TOKEN_VARIABLE = "PACKCELL_PAGE_TOKEN"
-"""The token comes from the environment: everybody in the graph can read a node's parameters."""
-
-
 class LiveOperator(RunningCell):
     """Starts what the page's form holds.
 
@@ -102,11 +99,11 @@ class LiveNodeConfig(Config):
     """Parameters of the node `live`."""
 
     cell: str = Field(default=CELLS[0], description="the cell that is shown")
-    port: int = Field(default=DEFAULT_PORT, ge=1, le=65535, description="port of the page")
+    port: int = Field(default=PAGE_PORT, ge=1, le=65535, description="port of the page")
     host: str = Field(
         default=LOOPBACK,
-        description="address to listen on; others than 127.0.0.1 need a token, which is "
-        "read from the environment variable PACKCELL_PAGE_TOKEN",
+        description=f"address to listen on; others than {LOOPBACK} need a token, which is "
+        f"read from the environment variable {PAGE_TOKEN_VARIABLE}",
     )
     frame_rate: float = Field(default=24.0, gt=0.0, le=60.0, description="frames a second of wall clock")
 
@@ -127,7 +124,7 @@ class LiveNode(CellNode):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("live", **kwargs)
         config = self.read_parameters(LiveNodeConfig)
-        token = os.environ.get(TOKEN_VARIABLE, "")
+        token = os.environ.get(PAGE_TOKEN_VARIABLE, "")
         page: type[CellPage] = cell_part(config.cell, "page")
         self._server = open_server(config.port, f"PackCell · {config.cell}", host=config.host, token=token)
         news = LiveNews(self, wiring_of(config.cell), page.topics + SHARED_TOPICS)
@@ -143,7 +140,7 @@ class LiveNode(CellNode):
         self._period = 1.0 / config.frame_rate
         self._thread = NodeThread(self, self._turn, "page")
         # Without the token: what a node prints ends in files.
-        needs = f", with the token of {TOKEN_VARIABLE}" if token else ""
+        needs = f", with the token of {PAGE_TOKEN_VARIABLE}" if token else ""
         print(f"page: {page_address(config.host, config.port)}{needs}", flush=True)
 
     def destroy_node(self) -> None:

@@ -23,11 +23,9 @@ import viser
 import websockets.asyncio.server
 from websockets.http11 import Request, Response
 
+from pack_core.addresses import LOOPBACK
 from pack_core.errors import ConfigError
 
-LOOPBACK = "127.0.0.1"
-DEFAULT_PORT = 8210
-"""Not viser's own, 8080, which is often taken."""
 LOCAL_NAMES = (LOOPBACK, "localhost")
 LARGEST_MESSAGE = 8 * 1024 * 1024
 """Largest message that a browser may send [bytes]: a picture of the scene, or a piece of an uploaded file."""
@@ -92,11 +90,6 @@ def open_server(port: int, label: str, *, host: str = LOOPBACK, token: str = "")
         server.stop()
         raise ConfigError(f"port {port} is taken; choose another one, or end the page that has it")
     return server
-
-
-def page_address(host: str, port: int, token: str = "") -> str:
-    """What to open in a browser."""
-    return f"http://{host}:{port}" + (f"/?token={token}" if token else "")
 
 
 class PrivateServer(viser.ViserServer):

@@ -91,7 +91,7 @@ class PalletFsmNode(GoalNode):
 
     @property
     def waits_for(self) -> str:
-        if self._cell.observe() is None:
+        if not self._cell.is_heard:
             return "nothing heard of arm and gripper yet: are sim and motion up?"
         if not self._layout.service_is_ready():
             return f"no service {contracts.PLAN_LAYOUT.name}: is layout up?"
@@ -110,10 +110,10 @@ class PalletFsmNode(GoalNode):
                 f"the profile '{self._config.profile}' rests over the pallet, where none can be replaced; "
                 "allowed for shifts: fsm.profile=blended"
             )
-        seen = self._cell.observe()
-        if seen is not None and seen.grip.is_closed:
+        grip = self._cell.grip
+        if grip is not None and grip.is_closed:
             return (
-                f"the gripper holds '{seen.grip.held}', as after a stop in the middle of an order; "
+                f"the gripper holds '{grip.held}', as after a stop in the middle of an order; "
                 f"support it and call {contracts.GRIPPER_COMMAND.name} with close=false, or reset the cell"
             )
         return self.waits_for

@@ -43,7 +43,7 @@ def test_lockstep_takes_the_nodes_files() -> None:
     ("node", "changes", "seen"),
     [
         ("fsm", {"hover": 0.2}, lambda c: c.executor.hover == 0.2),
-        ("fsm", {"patience": {"exposure_delay": 0.3}}, lambda c: c.exposure_delay == 0.3),
+        ("fsm", {"patience": {"exposure_delay": 0.3}}, lambda c: c.patience.exposure_delay == 0.3),
         ("tags", {"max_residual": 0.004}, lambda c: c.vision.max_residual == 0.004),
         ("sim", {"shadows": True}, lambda c: c.shadows),
         ("motion", {"period": 0.008}, lambda c: c.period == 0.008),

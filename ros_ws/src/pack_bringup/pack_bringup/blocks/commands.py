@@ -10,7 +10,6 @@ import typer
 
 from pack_bringup.cli.benchmark_run import RunOptions, run
 from pack_bringup.cli.options import (
-    PORT,
     BenchmarkFolder,
     CellAddress,
     Domain,
@@ -32,6 +31,7 @@ from pack_bringup.cli.options import (
 from pack_bringup.cli.outputs import command_line
 from pack_bringup.cli.pursue import run_goal, run_live
 from pack_bringup.recording.run_record import default_folder
+from pack_core.addresses import PAGE_PORT
 
 Blocks = Annotated[int, typer.Option(min=1, max=25, help="Number of blocks.")]
 Density = Annotated[
@@ -89,7 +89,7 @@ def demo(
     real_time_factor: RealTimeFactor = None,
     video: Video = True,
     live: Live = False,
-    port: Port = PORT,
+    port: Port = PAGE_PORT,
     output: RunFolder = None,
     domain: FreeDomain = None,
 ) -> None:

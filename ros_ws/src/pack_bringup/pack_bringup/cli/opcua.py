@@ -11,6 +11,7 @@ import typer
 
 from pack_bringup.cli.options import Domain, Namespace, Network, domain_of, prepare_network
 from pack_bringup.graph.executables import find_executable
+from pack_core.addresses import LOOPBACK
 from pack_core.cells import CELLS, check_cell
 
 app = typer.Typer()
@@ -27,7 +28,7 @@ def opcua(
             help="Address to listen on. Others than this machine's need --certificate, --key and --trusted: "
             "who connects can operate the cell."
         ),
-    ] = "127.0.0.1",
+    ] = LOOPBACK,
     certificate: Annotated[
         Path | None, typer.Option(metavar="FILE", help="The server's certificate, DER or PEM.")
     ] = None,

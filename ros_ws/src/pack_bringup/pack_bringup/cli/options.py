@@ -11,8 +11,9 @@ import typer
 
 from pack_bringup.cli.outputs import check_json_file
 from pack_bringup.cli.terminal import notice
+from pack_core.addresses import LAST_DOMAIN, LOOPBACK, PAGE_TOKEN_VARIABLE
 from pack_core.namespace import ROOT, checked_namespace
-from pack_core.network import LAST_DOMAIN, domain_in
+from pack_core.network import domain_in
 
 if TYPE_CHECKING:
     from pack_bringup.viewers import PageProcess
@@ -110,7 +111,9 @@ Video = Annotated[
 ]
 FreeDomain = Annotated[
     int | None,
-    typer.Option(min=0, max=101, help="ROS domain id. Default: the environment's, else one that is free."),
+    typer.Option(
+        min=0, max=LAST_DOMAIN, help="ROS domain id. Default: the environment's, else one that is free."
+    ),
 ]
 RunFolder = Annotated[
     Path | None,
@@ -154,9 +157,6 @@ JsonFile = Annotated[
 ]
 
 
-PORT, HOST = 8210, "127.0.0.1"
-"""Where the page is served by default: to this machine alone."""
-
 Live = Annotated[bool, typer.Option("--live", help="Serve a page that shows the cell in the browser.")]
 Port = Annotated[int, typer.Option(min=1, max=65535, help="Port of the page, with --live.")]
 Host = Annotated[
@@ -169,14 +169,14 @@ Host = Annotated[
 Token = Annotated[
     str,
     typer.Option(
-        envvar="PACKCELL_PAGE_TOKEN",
+        envvar=PAGE_TOKEN_VARIABLE,
         help="What a browser must bring to see the page, at least 16 characters.",
     ),
 ]
 
 
 def page_process(
-    cell: str, live: bool, port: int, host: str = HOST, token: str = "", namespace: str = ROOT
+    cell: str, live: bool, port: int, host: str = LOOPBACK, token: str = "", namespace: str = ROOT
 ) -> PageProcess | None:
     """The page that the options ask for; None without `--live`."""
     from pack_bringup.viewers import PageProcess

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.progress import BarColumn, Progress, TextColumn
 
-from pack_bringup.cli.options import PORT, Namespace, Network, Port, prepare_network
+from pack_bringup.cli.options import Domain, Namespace, Network, Port, prepare_network
 from pack_bringup.cli.terminal import end_as_by_ctrl_c
+from pack_core.addresses import LOOPBACK, PAGE_PORT
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -29,7 +30,8 @@ def play(
     ] = False,
     rate: Annotated[float, typer.Option(min=0.001, help="Simulated seconds per second of wall clock.")] = 1.0,
     topics: Annotated[
-        list[str] | None, typer.Option(metavar="TOPIC", help="Publish only this topic; may be repeated.")
+        list[str] | None,
+        typer.Option("--topic", metavar="TOPIC", help="Publish only this topic; may be repeated."),
     ] = None,
     node: Annotated[
         str | None, typer.Option("--for", metavar="NODE", help="Publish only what this node listens to.")
@@ -42,25 +44,23 @@ def play(
     wait: Annotated[
         float, typer.Option(min=0.0, help="Longest wait for somebody to listen to every topic [s].")
     ] = 5.0,
-    domain: Annotated[
-        int | None, typer.Option(min=0, max=101, help="ROS domain id; the environment's if not given.")
-    ] = None,
+    domain: Domain = None,
     namespace: Namespace = "",
     network: Network = "",
     live: Annotated[
         bool, typer.Option("--live", help="Show the recording in the browser instead of publishing it.")
     ] = False,
-    port: Port = PORT,
+    port: Port = PAGE_PORT,
 ) -> None:
     """Publish a recording, so that nodes run against it as they do against the simulator.
 
     Quality of service and stamps are those of the recording. The nodes that sent it count as alive meanwhile.
-    What a node under test publishes itself must not be played: `--for` or `--topics` leaves it out.
+    What a node under test publishes itself must not be played: `--for` or `--topic` leaves it out.
 
     - `pack play bags/samples/packing --for perception --clock`, with `pack up packing --only perception`
       in another terminal and the same ROS_DOMAIN_ID
     - `pack play bags/samples/packing --live`, to look at it in the browser, with a slider over its time
-    - `pack play bags/packing_20260101_120000_seed0 --rate 0.3 --topics /scene --topics /sim/truth`
+    - `pack play bags/packing_20260101_120000_seed0 --rate 0.3 --topic /scene --topic /sim/truth`
     """
     if live:
         show_recording(bag, port, rate, start)
@@ -95,7 +95,7 @@ def show_recording(bag: Path, port: int, rate: float, start: float) -> None:
     from pack_bringup.viewers import announcement
     from pack_evaluation.record import cell_of
     from pack_viewer.bag_page import BagPage
-    from pack_viewer.web_server import LOOPBACK, open_server
+    from pack_viewer.web_server import open_server
 
     end_as_by_ctrl_c()
     server = open_server(port, f"PackCell · {cell_of(bag)}")

@@ -113,19 +113,7 @@ def run_live(
     Raises:
         PackError: the folder cannot take the run, a node did not come up or died, or the goal was refused.
     """
-    prepare_network()
-    make_output_folder(job.folder, taken_by=(BAG_FOLDER, RECORD, LOG))
-    end_as_by_ctrl_c()
-    if page:
-        typer.echo(page.announcement)
-    try:
-        with LiveLine() as line:
-            result, pace = run_demo(job, line.show, domain, page)
-    except KeyboardInterrupt:
-        typer.echo(f"stopped; what was recorded is in {job.folder}")
-        raise typer.Exit(130) from None
-    reason = getattr(result, "exit_reason", "success" if result.success else "failure")
-    typer.echo(f"goal ended: {reason}" + (f", {result.message}" if result.message else ""))
+    result, pace = run_nodes(job, domain, page, taken_by=())
     try:
         found = run_evaluation(evaluator_of(job.folder), job.folder, job.folder, with_video=video)
     except KeyboardInterrupt:
@@ -138,6 +126,41 @@ def run_live(
         typer.echo(f"there is no report: the goal ended before its work began\nlog:    {job.folder / LOG}")
         raise typer.Exit(1) from None
     show(found)
+    end_live(job, result, pace)
+
+
+def run_nodes(
+    job: Job, domain: int | None, page: PageProcess | None, *, taken_by: tuple[str, ...]
+) -> tuple[Any, Pace]:
+    """Start the nodes of a job, pursue its goal, and say how that ended; Ctrl-C ends the program.
+
+    Args:
+        job: what to run.
+        domain: ROS domain id; None: the environment's, else a free one.
+        page: a page that shows the run while it goes on; None: none.
+        taken_by: names of files, besides those of every run, that the job's folder must not have yet.
+
+    Returns:
+        The action's result, and whether the nodes kept up with the clock.
+    """
+    prepare_network()
+    make_output_folder(job.folder, taken_by=(BAG_FOLDER, RECORD, LOG, *taken_by))
+    end_as_by_ctrl_c()
+    if page:
+        typer.echo(page.announcement)
+    try:
+        with LiveLine() as line:
+            result, pace = run_demo(job, line.show, domain, page)
+    except KeyboardInterrupt:
+        typer.echo(f"stopped; what was recorded is in {job.folder}")
+        raise typer.Exit(130) from None
+    reason = getattr(result, "exit_reason", "success" if result.success else "failure")
+    typer.echo(f"goal ended: {reason}" + (f", {result.message}" if result.message else ""))
+    return result, pace
+
+
+def end_live(job: Job, result: Any, pace: Pace) -> NoReturn:
+    """Say where the log is and whether the nodes kept up, and leave with 0 only if the job succeeded."""
     typer.echo(f"log:    {job.folder / LOG}")
     if pace.warning:
         notice(pace.warning, typer.colors.YELLOW)

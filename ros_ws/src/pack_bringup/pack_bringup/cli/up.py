@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from pack_bringup.cli.options import (
-    HOST,
-    PORT,
     Domain,
     Foxglove,
     Host,
@@ -36,6 +34,7 @@ from pack_bringup.graph.processes import ProcessGroup, Restarts
 from pack_bringup.graph.running import check_domain_is_free
 from pack_bringup.recording.run_record import Record
 from pack_bringup.viewers import FOXGLOVE_ADDRESS, foxglove_command
+from pack_core.addresses import LOOPBACK, PAGE_PORT
 from pack_core.config import merged
 from pack_core.paths import bags_path
 
@@ -75,8 +74,8 @@ def up(
     namespace: Namespace = "",
     network: Network = "",
     live: Live = False,
-    port: Port = PORT,
-    host: Host = HOST,
+    port: Port = PAGE_PORT,
+    host: Host = LOOPBACK,
     token: Token = "",
     foxglove: Foxglove = False,
     restart: Annotated[

@@ -7,10 +7,11 @@ import socket
 from collections.abc import Collection, Iterable, Mapping
 
 from pack_bringup.graph.graph import load_graph
+from pack_core.addresses import LAST_DOMAIN
 from pack_core.cells import CELLS
 from pack_core.errors import PackError
 from pack_core.namespace import ROOT
-from pack_core.network import LAST_DOMAIN, domain_in
+from pack_core.network import domain_in
 from pack_core.ros.watch.local_nodes import nodes_on_this_machine
 
 DOMAINS = LAST_DOMAIN - 1

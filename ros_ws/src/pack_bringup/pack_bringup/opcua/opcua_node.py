@@ -21,6 +21,7 @@ from pack_bringup.opcua.production import Production
 from pack_bringup.opcua.server import Answer, Method, OpcUaServer, ServerSettings, check_installed
 from pack_bringup.opcua.view import PlcView, ValueType
 from pack_bringup.ros.status_listener import STATE_WORDS
+from pack_core.addresses import LOOPBACK
 from pack_core.cells import CELLS, cell_part, check_cell, optional_cell_part
 from pack_core.config import Config
 from pack_core.errors import PackError
@@ -44,7 +45,7 @@ class OpcuaNodeConfig(Config):
 
     cell: str = Field(default=CELLS[0], description="the cell that is served")
     host: str = Field(
-        default="127.0.0.1",
+        default=LOOPBACK,
         description="address to listen on; others than this machine's need certificate, key and trusted",
     )
     port: int = Field(default=4840, ge=1, le=65535, description="port to listen on")

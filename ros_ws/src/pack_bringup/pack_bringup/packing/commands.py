@@ -10,7 +10,6 @@ import typer
 
 from pack_bringup.cli.benchmark_run import RunOptions, run
 from pack_bringup.cli.options import (
-    PORT,
     BenchmarkFolder,
     CellAddress,
     Domain,
@@ -33,6 +32,7 @@ from pack_bringup.cli.outputs import command_line
 from pack_bringup.cli.pursue import run_goal, run_live
 from pack_bringup.packing import calibration as _calibration  # noqa: F401, adds `pack calibrate packing`
 from pack_bringup.recording.run_record import default_folder
+from pack_core.addresses import PAGE_PORT
 from pack_core.errors import ConfigError
 from pack_core.packing.goals import FillMethod, PackingMethod
 from pack_mpc.optimizers import OPTIMIZERS
@@ -130,7 +130,7 @@ def demo(
     fill: Fill = False,
     given: ListFile = None,
     live: Live = False,
-    port: Port = PORT,
+    port: Port = PAGE_PORT,
     output: RunFolder = None,
     domain: FreeDomain = None,
 ) -> None:

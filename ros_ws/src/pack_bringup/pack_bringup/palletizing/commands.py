@@ -10,7 +10,6 @@ import typer
 
 from pack_bringup.cli.benchmark_run import RunOptions, run
 from pack_bringup.cli.options import (
-    PORT,
     BenchmarkFolder,
     CellAddress,
     Domain,
@@ -32,7 +31,9 @@ from pack_bringup.cli.options import (
 from pack_bringup.cli.outputs import check_json_file, command_line, make_output_folder
 from pack_bringup.cli.pursue import run_goal, run_live
 from pack_bringup.palletizing import calibration, order_command, shift_command
+from pack_bringup.palletizing.shift_command import BOXES, DEFAULTS
 from pack_bringup.recording.run_record import default_folder
+from pack_core.addresses import PAGE_PORT
 from pack_core.errors import ConfigError
 from pack_core.paths import config_path
 
@@ -69,7 +70,7 @@ def goal(
     calibrate: Calibrate = False,
     check: Check = False,
     shift: shift_command.ShiftGoalOption = False,
-    boxes: shift_command.Boxes = 20,
+    boxes: shift_command.Boxes = BOXES,
     resume: shift_command.ResumeNewest = False,
     output: CalibrationFolder = None,
     reset: Reset = True,
@@ -96,8 +97,8 @@ def goal(
     at = CellAddress(domain, namespace, network)
     if shift:
         shift_command.send_shift(boxes, output, seed, at, is_resumed=resume, reset=reset)
-    if resume:
-        raise ConfigError("--resume without --shift; allowed: both, as an order is built anew")
+    kept = output is not None and not (calibrate or check)  # an order is recorded by the cell's own nodes
+    shift_command.require_shift({"--resume": resume, "--boxes": boxes != BOXES, "--output": kept})
     if calibrate or check:
         calibration.send_calibration(check, output, seed, at, reset=reset)
     wanted = PalletizingGoal(checked_order(order, profile), seed, profile)
@@ -146,9 +147,9 @@ def demo(
     real_time_factor: RealTimeFactor = None,
     video: Video = True,
     live: Live = False,
-    port: Port = PORT,
+    port: Port = PAGE_PORT,
     shift: shift_command.ShiftDemo = False,
-    boxes: shift_command.Boxes = 20,
+    boxes: shift_command.Boxes = BOXES,
     resume: shift_command.Resume = None,
     output: RunFolder = None,
     domain: FreeDomain = None,
@@ -187,8 +188,7 @@ def demo(
             shift_command.demo_live(boxes, seed, folder, real_time_factor, domain, page)
         shift_command.demo_shift(boxes, seed, folder, is_resumed=resume is not None)
         return
-    if resume is not None:
-        raise ConfigError("--resume without --shift; allowed: both, as an order is built anew")
+    shift_command.require_shift({"--resume": resume, "--boxes": boxes != BOXES})
     from pack_bringup.palletizing.goals import PalletizingJob
     from pack_sim.palletizing.crossings import visitors_of
 
@@ -268,16 +268,16 @@ def benchmark(
         ),
     ] = False,
     shift: shift_command.Shift = False,
-    streams: shift_command.Streams = 30,
-    seed: shift_command.FirstStream = 7000,
-    rule: shift_command.Rule = "touching",
-    buffer: shift_command.Buffer = 2,
-    preview: shift_command.Preview = 1,
-    open_pallets: shift_command.OpenPallets = 2,
-    tipping: shift_command.Tipping = None,
-    max_pressure: shift_command.MaxPressure = None,
-    fragile: shift_command.Fragile = 0.0,
-    boxes: shift_command.BoxesMoved = 0,
+    streams: shift_command.Streams = DEFAULTS.streams,
+    seed: shift_command.FirstStream = DEFAULTS.seed,
+    rule: shift_command.Rule = DEFAULTS.rule,
+    buffer: shift_command.Buffer = DEFAULTS.buffer,
+    preview: shift_command.Preview = DEFAULTS.preview,
+    open_pallets: shift_command.OpenPallets = DEFAULTS.open_pallets,
+    tipping: shift_command.Tipping = DEFAULTS.tipping,
+    max_pressure: shift_command.MaxPressure = DEFAULTS.max_pressure,
+    fragile: shift_command.Fragile = DEFAULTS.fragile,
+    boxes: shift_command.BoxesMoved = DEFAULTS.boxes,
     jobs: Jobs = 1,
     ray: Ray = None,
     output: BenchmarkFolder = None,
@@ -295,7 +295,6 @@ def benchmark(
     - `pack benchmark palletizing --seeds 5 --jobs 2 --no-vision`
     - `pack benchmark palletizing --order config/orders/order_03.json`
     - `pack benchmark palletizing --orders config/orders --json summary.json`
-    - `pack benchmark palletizing --profile thesis --no-vision`
     - `pack benchmark palletizing --visitors random --no-vision --seeds 2`
     - `pack benchmark palletizing --preset real --seeds 5`
     - `pack benchmark palletizing --preset thesis --plots`
@@ -303,6 +302,9 @@ def benchmark(
     - `pack benchmark palletizing --shift --boxes 100 --streams 2 --seed 1000 --jobs 2 --json moved.json`
     """
     options = RunOptions(jobs, ray, output, fresh, json_file)
+    stream = shift_command.ShiftOptions(
+        streams, seed, rule, buffer, preview, open_pallets, tipping, max_pressure, fragile, boxes
+    )
     if shift:
         shift_command.refuse(
             {
@@ -313,11 +315,9 @@ def benchmark(
             },
             "--streams, --seed, what its help says is for --shift, and the options of every benchmark",
         )  # fmt: skip
-        stream = shift_command.ShiftOptions(
-            streams, seed, rule, buffer, preview, open_pallets, tipping, max_pressure, fragile, boxes
-        )
         shift_command.run_shift(stream, options)
         return
+    shift_command.require_shift(stream.given())
     from pack_bringup.palletizing.calibration import calibrations_for
     from pack_core.paths import config_path
     from pack_lockstep.palletizing.benchmark import PalletBenchmark, order_files, order_jobs

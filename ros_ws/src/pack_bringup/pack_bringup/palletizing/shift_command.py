@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 import typer
 
 from pack_bringup.cli.benchmark_run import RunOptions, run
-from pack_bringup.cli.pursue import run_goal
+from pack_bringup.cli.pursue import end_live, run_goal, run_nodes
 from pack_core.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -89,18 +89,36 @@ Fragile = Annotated[
 
 @dataclass(frozen=True)
 class ShiftOptions:
-    """The options of a shift, as the command line has them."""
+    """The options of a benchmark of shifts, as the command line has them."""
 
-    streams: int
-    seed: int
-    rule: str
-    buffer: int
-    preview: int
-    open_pallets: int
-    tipping: float | None
-    max_pressure: float | None
-    fragile: float
-    boxes: int
+    streams: int = 30
+    seed: int = 7000
+    rule: str = "touching"
+    buffer: int = 2
+    preview: int = 1
+    open_pallets: int = 2
+    tipping: float | None = None
+    max_pressure: float | None = None
+    fragile: float = 0.0
+    boxes: int = 0
+
+    def given(self) -> dict[str, bool]:
+        """Whether each option differs from what it is by default."""
+        return {
+            f"--{field.name.replace('_', '-')}": getattr(self, field.name) != field.default
+            for field in fields(self)
+        }
+
+
+DEFAULTS = ShiftOptions()
+BOXES = 20
+"""That come in a shift in which everything moves, unless another number is given."""
+
+
+def require_shift(options: Mapping[str, Any]) -> None:
+    """Raise ConfigError where options are given, by name, that are for shifts alone."""
+    if given := [name for name, value in options.items() if value]:
+        raise ConfigError(f"{', '.join(given)} without --shift; allowed: both, or neither of them")
 
 
 def refuse(others: Mapping[str, Any], allowed: str) -> None:
@@ -122,12 +140,9 @@ def demo_shift(boxes: int, seed: int, folder: Path, *, is_resumed: bool) -> None
     """
     from pack_bringup.cli.outputs import make_output_folder
     from pack_core.palletizing.shift_journal import JOURNAL, ShiftJournal, WrittenShift, read_interrupted
-    from pack_lockstep.palletizing.shift import BoxStreamConfig
     from pack_lockstep.palletizing.shift_lockstep import ShiftLockstep, shift_run_setup
-    from pack_planner.layout.online_planner import OnlineConfig
-    from pack_sim.palletizing.arrivals import ArrivalConfig
 
-    setup = shift_run_setup(OnlineConfig(), BoxStreamConfig(), ArrivalConfig())
+    setup = shift_run_setup()
     before = WrittenShift({}, ())
     if is_resumed:
         before = read_interrupted(folder / JOURNAL, setup.stream.cell.preset)
@@ -169,25 +184,14 @@ def demo_live(
         domain: ROS domain id; None: the environment's, else a free one.
         page: a page that shows the run while it goes on; None: none.
     """
-    from pack_bringup.cli.options import prepare_network
-    from pack_bringup.cli.outputs import command_line, make_output_folder
-    from pack_bringup.cli.terminal import LiveLine, end_as_by_ctrl_c
-    from pack_bringup.job import LOG, run_demo
+    from pack_bringup.cli.outputs import command_line
     from pack_bringup.palletizing.goals import LiveShiftJob
-    from pack_bringup.recording.run_record import BAG_FOLDER
     from pack_core.palletizing.shift_journal import JOURNAL
 
-    prepare_network()
-    make_output_folder(folder, taken_by=(JOURNAL, BAG_FOLDER, LOG))
-    end_as_by_ctrl_c()
-    if page:
-        typer.echo(page.announcement)
     job = LiveShiftJob(folder, boxes, seed, real_time_factor=real_time_factor, command=command_line())
-    with LiveLine() as line:
-        result, _ = run_demo(job, line.show, domain, page)
-    typer.echo(f"goal ended: {result.message}")
+    result, pace = run_nodes(job, domain, page, taken_by=(JOURNAL,))
     write_report(folder, {})
-    raise typer.Exit(0 if result.success else 1)
+    end_live(job, result, pace)
 
 
 def write_report(folder: Path, went_wrong: Mapping[str, Sequence[str]]) -> dict[str, Any]:
@@ -309,11 +313,13 @@ def _line(event: ShiftEvent) -> str:
 
 def run_shift(given: ShiftOptions, options: RunOptions) -> None:
     """Place the streams and report; raises ConfigError for a value that is not allowed."""
-    from pack_core.config import validate_config
+    from pack_core.config import merged, validate_config
     from pack_core.palletizing.cell import palletizing_cell
     from pack_core.palletizing.orders.box_stream import shipped_lists
     from pack_lockstep.node_parameters import load_parameters
+    from pack_lockstep.palletizing.settings import place_parameters
     from pack_lockstep.palletizing.shift import BoxStreamConfig, ShiftBenchmark, StreamJob, shift_setup
+    from pack_lockstep.palletizing.shift_lockstep import PRESET
     from pack_planner.layout.layout_planner import LayoutConfig
     from pack_planner.layout.online_planner import OnlineConfig
 
@@ -323,7 +329,7 @@ def run_shift(given: ShiftOptions, options: RunOptions) -> None:
         "packer": {"rule": given.rule, **tipping}, "pallets": given.open_pallets, "buffer": given.buffer,
         "preview": given.preview,
     }  # fmt: skip
-    config = validate_config(OnlineConfig, values, source)
+    config = validate_config(OnlineConfig, merged(place_parameters(PRESET).model_dump(), values), source)
     limits = {"max_pressure": given.max_pressure, "fragile": given.fragile}
     stream = validate_config(BoxStreamConfig, limits, source)
     jobs = tuple(StreamJob(seed) for seed in range(given.seed, given.seed + given.streams))
@@ -335,9 +341,8 @@ def run_shift(given: ShiftOptions, options: RunOptions) -> None:
             )
         from pack_lockstep.palletizing.shift_benchmark import MovingShiftBenchmark
         from pack_lockstep.palletizing.shift_lockstep import shift_run_setup
-        from pack_sim.palletizing.arrivals import ArrivalConfig
 
-        moving = shift_run_setup(config, stream, ArrivalConfig())
+        moving = shift_run_setup(config, stream)
         run(MovingShiftBenchmark(moving, given.boxes, jobs), options)
         return
     insertion = load_parameters("palletizing/layout", LayoutConfig).insertion

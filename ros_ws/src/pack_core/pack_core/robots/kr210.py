@@ -28,8 +28,6 @@ LIMITS = JointLimits(
 )
 JERK_LIMITS = LIMITS.acceleration / 0.1
 """Full acceleration within 0.1 s [rad/s^3]; not published."""
-PAYLOAD = 210.0
-"""Largest mass that the flange may carry [kg]."""
 ARMATURE = np.array([300.0, 300.0, 200.0, 40.0, 40.0, 20.0])
 """Motor inertia seen through the gears [kg m^2]; not published, of the size of such drives."""
 FRICTION = 0.015

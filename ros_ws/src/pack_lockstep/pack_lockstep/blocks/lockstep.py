@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from block_fsm.executor import Executor
-from block_fsm.executor_config import ExecutorConfig
+from block_fsm.executor_config import ExecutorConfig, RequestTimeouts
 from block_fsm.motions import Motions, TableObstacles
 from block_fsm.outcome import ExitReason, Outcome
 from block_fsm.requests import Answer, ExecutorRequest, Look, MoveArm, MoveFingers, NoPicture, PlanFor
@@ -85,13 +85,9 @@ class BlocksLockstepConfig(Config):
     """Parameters of a run; the parts' own are those of the nodes."""
 
     period: PositiveFloat = Field(default=0.004, description="between two setpoints for the arm [s]")
-    exposure_delay: NonNegativeFloat = Field(
-        default=0.1, description="from asking for a picture to its exposure, for the arm to be still [s]"
-    )
     vision_latency: NonNegativeFloat = Field(default=0.1, description="from exposure to the poses [s]")
-    picture_timeout: PositiveFloat = Field(default=10.0, description="for a picture to come at all [s]")
     planning_latency: NonNegativeFloat = Field(default=0.3, description="a plan takes [s]")
-    jaw_timeout: PositiveFloat = Field(default=3.0, description="for the fingers to come to rest [s]")
+    patience: RequestTimeouts = RequestTimeouts()
     motion: str = Field(default="shipped", description="a set of config/motion")
     shadows: bool = Field(default=False, description="in the pictures")
     simulator: BlocksSimulatorConfig = BlocksSimulatorConfig()
@@ -168,9 +164,9 @@ class BlocksLockstep:
 
     def _answer(self, request: ExecutorRequest) -> Answer:
         if isinstance(request, Look):
-            self._advance(self._config.exposure_delay)
+            self._advance(self._config.patience.exposure_delay)
             if self.camera_is_silent:
-                self._advance(self._config.picture_timeout)
+                self._advance(self._config.patience.picture)
                 return NoPicture("the camera does not answer")
             time, picture = self.simulator.time, self.camera.picture(self.simulator.snapshot())
             self._advance(self._config.vision_latency)
@@ -194,7 +190,7 @@ class BlocksLockstep:
 
     def _grip(self, request: MoveFingers) -> FingerState:
         self.simulator.fingers.command(request.command)
-        end = self.simulator.time + self._config.jaw_timeout
+        end = self.simulator.time + self._config.patience.jaw
         while self.simulator.time < end and self.simulator.finger_state().status is FingerStatus.MOVING:
             self._advance(self._config.period)
         return self.simulator.finger_state()

@@ -46,8 +46,7 @@ def lockstep_config(planners: Mapping[str, Mapping[str, str]] | None = None) -> 
     patience = load_parameters("blocks/fsm", PatienceParameters).patience
     motion = load_parameters("blocks/motion", MotionParameters)
     return BlocksLockstepConfig(
-        period=motion.period, motion=motion.parameters, exposure_delay=patience.exposure_delay,
-        picture_timeout=patience.picture, jaw_timeout=patience.jaw,
+        period=motion.period, motion=motion.parameters, patience=patience,
         shadows=load_parameters("blocks/sim", BlocksCameraParameters).shadows,
         simulator=load_parameters("blocks/sim", BlocksSimulatorConfig),
         vision=load_parameters("blocks/tags", TagVisionConfig),

@@ -13,11 +13,14 @@ from pack_lockstep.palletizing.stepped_cell import PalletLockstepConfig
 from pack_motion.tracking.config import motion_set
 from pack_perception.boxes.box_vision import VisionConfig
 from pack_planner.layout.layout_planner import LayoutConfig
+from pack_planner.layout.online_planner import OnlineConfig
+from pack_sim.palletizing.arrivals import ArrivalConfig
 from pack_sim.palletizing.crossings import visitors_of
 from pack_sim.palletizing.overhead_camera import PalletCameraConfig
 from pack_sim.palletizing.place_scanner import PlaceScannerConfig
 from pack_sim.palletizing.simulator import PalletSimulatorConfig
 from pallet_fsm.palletizer_config import PalletizerConfig
+from pallet_fsm.shift_job import ShiftConfig
 from pallet_fsm.states import profile_of
 
 
@@ -34,12 +37,30 @@ class PalletMotionParameters(Config):
     parameters: str
 
 
+class ArrivalParameters(Config):
+    """The part of the simulator's parameters that says how boxes come in a shift."""
+
+    arrivals: ArrivalConfig = ArrivalConfig()
+
+
+class PlaceParameters(Config):
+    """The part of the planner's parameters that says where boxes go whose sequence nobody knows."""
+
+    online: OnlineConfig = OnlineConfig()
+
+
+class ShiftParameters(Config):
+    """The part of the machine's parameters that is of shifts."""
+
+    shift: ShiftConfig = ShiftConfig()
+
+
 CORES: dict[str, tuple[type[Config], ...]] = {
-    "sim": (PalletSimulatorConfig, PalletSensorParameters),
+    "sim": (PalletSimulatorConfig, PalletSensorParameters, ArrivalParameters),
     "vision": (VisionConfig,),
-    "layout": (LayoutConfig,),
+    "layout": (LayoutConfig, PlaceParameters),
     "motion": (PalletMotionParameters,),
-    "fsm": (PalletizerConfig,),
+    "fsm": (PalletizerConfig, ShiftParameters),
 }
 """Configuration classes of the cores of each node, whose parameters a preset may change."""
 
@@ -54,6 +75,11 @@ def checked_preset(name: str) -> PalletizingPreset:
                 f"preset '{name}': '{node}' has no {', '.join(unknown)}; allowed: {', '.join(known)}"
             )
     return preset
+
+
+def place_parameters(preset: str) -> OnlineConfig:
+    """Where boxes of shifts go, as the nodes' configuration has it under a preset."""
+    return load_parameters("palletizing/layout", PlaceParameters, checked_preset(preset).layout).online
 
 
 def set_up(

@@ -16,8 +16,15 @@ from pack_core.palletizing.ports import AskPlace, Command, TakePallet
 from pack_core.palletizing.shift_journal import SETTLED, ShiftEvent
 from pack_core.rotations import Pose
 from pack_evaluation.palletizing.run import UnwantedTouch
+from pack_lockstep.node_parameters import load_parameters
 from pack_lockstep.palletizing.box_finder import BoxFinder, open_box_finder
-from pack_lockstep.palletizing.settings import set_up
+from pack_lockstep.palletizing.settings import (
+    ArrivalParameters,
+    ShiftParameters,
+    checked_preset,
+    place_parameters,
+    set_up,
+)
 from pack_lockstep.palletizing.shift import BoxStreamConfig, ShiftSetup, shift_setup, stream_of
 from pack_lockstep.palletizing.stepped_cell import PalletLockstepConfig, SteppedCell
 from pack_planner.layout.online_planner import OnlineConfig
@@ -28,6 +35,8 @@ from pallet_fsm.palletizer_config import ScanConfig
 from pallet_fsm.shift_job import ShiftConfig, ShiftJob
 from pallet_fsm.taking_over import TakenOver, standing_by_journal, take_over
 
+PRESET = "shift"
+"""The conditions under which the cell has a conveyor and two pallets."""
 DETECTIONS = 12
 """Stream of random numbers of the noise of detections."""
 DECISION = 0.1
@@ -91,11 +100,24 @@ class ShiftRunSetup:
     arrivals: ArrivalConfig
 
 
-def shift_run_setup(online: OnlineConfig, stream: BoxStreamConfig, arrivals: ArrivalConfig) -> ShiftRunSetup:
-    """The settings of the cell for shifts, boxes being found by their true pose with noise."""
-    cell = set_up(preset="shift", vision=False)
+def shift_run_setup(
+    online: OnlineConfig | None = None, stream: BoxStreamConfig | None = None,
+    arrivals: ArrivalConfig | None = None,
+) -> ShiftRunSetup:  # fmt: skip
+    """The settings of the cell for shifts, boxes being found by their true pose with noise.
+
+    Args:
+        online: where boxes go; None: as the nodes' configuration has it.
+        stream: what comes; None: any boxes of the lists.
+        arrivals: how they come; None: as the nodes' configuration has it.
+    """
+    cell, preset = set_up(preset=PRESET, vision=False), checked_preset(PRESET)
+    online = online or place_parameters(PRESET)
+    arrivals = arrivals or load_parameters("palletizing/sim", ArrivalParameters, preset.sim).arrivals
+    shift = load_parameters("palletizing/fsm", ShiftParameters, preset.fsm).shift
+    stream = stream or BoxStreamConfig()
     drawn = shift_setup(shipped_lists(), cell.cell, online, stream, cell.layout.insertion)
-    return ShiftRunSetup(drawn, cell.config, ShiftConfig(), arrivals)
+    return ShiftRunSetup(drawn, cell.config, shift, arrivals)
 
 
 class ShiftLockstep:

@@ -10,6 +10,8 @@ from pack_core.palletizing.visitors import Visitor, load_visitors
 
 RANDOM = "random"
 """Name of the visitors that are drawn from the seed of a run."""
+VISITORS = 13
+"""Stream of random numbers of who comes and how."""
 TOGETHER = 2
 """Visitors that come in one run, each again and again."""
 SHOULDERS, TALL = 0.25, 1.3
@@ -20,7 +22,7 @@ BREAST = 0.9
 
 def visitors_of(name: str, seed: int) -> tuple[Visitor, ...]:
     """The visitors of a file of config/visitors, or random ones; raises ConfigError for an unknown name."""
-    return random_visitors(np.random.default_rng([seed, 11])) if name == RANDOM else load_visitors(name)
+    return random_visitors(np.random.default_rng([seed, VISITORS])) if name == RANDOM else load_visitors(name)
 
 
 def random_visitors(rng: np.random.Generator) -> tuple[Visitor, ...]:

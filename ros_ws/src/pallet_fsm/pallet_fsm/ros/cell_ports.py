@@ -19,6 +19,7 @@ from pack_core.errors import MessageError
 from pack_core.joints import JointSample
 from pack_core.motion import topics as motion_topics
 from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.grip import GripState
 from pack_core.palletizing.infeed import PlacesAway
 from pack_core.palletizing.orders.next_place import PlaceAnswer, PlaceQuestion
 from pack_core.palletizing.ports import (
@@ -117,12 +118,22 @@ class CellPorts:
         """Listen no more."""
         self._heard.end()
 
+    @property
+    def is_heard(self) -> bool:
+        """Whether the first messages of motion and gripper have come."""
+        return self._heard[motion.MOTION_STATUS] is not None and self.grip is not None
+
+    @property
+    def grip(self) -> GripState | None:
+        """What the gripper last told; None before the first message."""
+        return self._heard[contracts.GRIPPER_STATE]
+
     def observe(self) -> PalletObservation | None:
-        """What is known now; None before the first messages of motion and gripper.
+        """What is known now, with what was measured since the last call; None before `is_heard`.
 
         Its time is the node's clock; the motion's status has the time of the measurement, which is earlier.
         """
-        status, grip = self._heard[motion.MOTION_STATUS], self._heard[contracts.GRIPPER_STATE]
+        status, grip = self._heard[motion.MOTION_STATUS], self.grip
         if status is None or grip is None:
             return None
         now = self._now()

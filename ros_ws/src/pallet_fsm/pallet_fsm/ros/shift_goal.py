@@ -33,9 +33,6 @@ from pallet_fsm.step_aside import StepAside
 from pallet_fsm.taking_over import TakenOver, rejected_by_journal, take_over
 from pallet_fsm.transitions import Event
 
-PATIENCE = 5.0
-"""Longest time until the scanners have answered before a shift that is gone on with begins [s]."""
-
 
 def requested_shift(goal: RunShift.Goal, preset: str) -> WrittenShift:
     """What the journal of a goal's folder has, or has to begin with.
@@ -106,7 +103,7 @@ class TakeOverLook:
         missing = [place for place in self._places if place not in scans]
         if not missing:
             return take_over(self._standing, scans, self._cell, self._scans)
-        if seen.time > self._asked + PATIENCE:
+        if seen.time > self._asked + self._scans.patience:
             raise ConfigError(f"the scanner over the {missing[0].replace('_', ' ')} does not answer")
         return ()
 

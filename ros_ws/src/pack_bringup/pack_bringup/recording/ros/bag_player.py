@@ -154,7 +154,7 @@ def _class_of(topic: Topic, playback: Playback) -> type[Any]:
     if playback.types.hash_rihs01(topic.type) != message_types().hash_rihs01(topic.type):
         raise BagError(
             f"{topic.type} of {topic.name} has changed since {playback.path} was recorded; play it with the "
-            "version that recorded it (run.yaml says which), or leave the topic out (--topics)"
+            "version that recorded it (run.yaml says which), or leave the topic out (--topic)"
         )
     return found
 
