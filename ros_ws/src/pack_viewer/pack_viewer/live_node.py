@@ -15,6 +15,7 @@ from pack_core.addresses import LOOPBACK, PAGE_PORT, PAGE_TOKEN_VARIABLE, page_a
 from pack_core.cells import CELLS, cell_part
 from pack_core.config import Config
 from pack_core.errors import ConfigError
+from pack_core.motion.topics import JOINT_STATES
 from pack_core.ros.contracts.contract import NEWEST, Contract
 from pack_core.ros.contracts.table import goal_actions, nodes_of, wiring_of
 from pack_core.ros.node import CellNode
@@ -30,8 +31,6 @@ from pack_viewer.ros.run_form import RunForm
 from pack_viewer.run_panel import RunPanel
 from pack_viewer.web_server import open_server
 
-JOINT_STATES = "/joint_states"
-"""Tells simulated time: every cell has it, often, and stamped by the simulator."""
 RESTART = 1.0
 """Simulated time that goes back by more means that the simulator was started anew [s]."""
 SPARING = 6
@@ -63,7 +62,7 @@ class LiveNews:
         """What has come since the last call."""
         messages = {name: stream.take_all() for name, stream in self._streams.items()}
         before = self._time
-        if joints := messages[JOINT_STATES]:
+        if joints := messages[JOINT_STATES]:  # every cell has them, often, and stamped by the simulator
             self._time = seconds(joints[-1])
         restarted = before is not None and self._time is not None and self._time < before - RESTART
         return (News({name: found for name, found in messages.items() if found}, self._time, restarted),)

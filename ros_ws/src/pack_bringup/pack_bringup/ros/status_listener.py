@@ -37,9 +37,15 @@ class StatusListener:
         namespace: of the cell, as rcl writes it.
 
     Attributes:
+        node: that listens, within the block.
         statuses: the newest status of each node, by name.
         health: the newest diagnostics of each node, by name.
     """
+
+    name = "status"
+    """How the node's name begins."""
+    turn = 0.1
+    """Longest time until the condition is looked at again [s of wall clock]."""
 
     def __init__(self, domain: int, namespace: str = ROOT) -> None:
         self._domain, self._namespace = domain, namespace
@@ -51,22 +57,22 @@ class StatusListener:
         signals = SignalHandlerOptions.NO  # they are the caller's
         start_ros(context=self._context, domain_id=self._domain, signal_handler_options=signals)
         # No CellNode: it only listens, and two of them may listen at a time.
-        self._node = rclpy.create_node(f"status_{os.getpid()}", context=self._context)
+        self.node = rclpy.create_node(f"{self.name}_{os.getpid()}", context=self._context)
         confirm_network()
         self._executor = SingleThreadedExecutor(context=self._context)
-        self._executor.add_node(self._node)
+        self._executor.add_node(self.node)
         statuses, diagnostics = (
             below(self._namespace, contract.name) for contract in (shared.NODE_STATUS, shared.DIAGNOSTICS)
         )
-        self._node.create_subscription(NodeStatus, statuses, self._on_status, LISTENING)
-        self._node.create_subscription(DiagnosticArray, diagnostics, self._on_health, shared.DIAGNOSTICS.qos)
+        self.node.create_subscription(NodeStatus, statuses, self._on_status, LISTENING)
+        self.node.create_subscription(DiagnosticArray, diagnostics, self._on_health, shared.DIAGNOSTICS.qos)
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._executor.shutdown()
-        self._node.destroy_node()
+        self.node.destroy_node()
         self._context.try_shutdown()
 
     def spin_until(self, condition: Callable[[], bool], timeout: float) -> bool:
@@ -77,8 +83,12 @@ class StatusListener:
             if rest <= 0.0:
                 return False
             with deferred_signals():
-                self._executor.spin_once(timeout_sec=min(rest, 0.1))
+                self._executor.spin_once(timeout_sec=min(rest, self.turn))
+            self.take()
         return True
+
+    def take(self) -> None:
+        """Take what has come besides what callbacks take; called after each turn."""
 
     def unready(self, names: list[str]) -> dict[str, str]:
         """Those of some nodes that are not ready, each with what it waits for, in words."""

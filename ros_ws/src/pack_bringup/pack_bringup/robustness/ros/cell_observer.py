@@ -7,30 +7,25 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, Self
 
-import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from pack_interfaces.msg import GripperState, JawState, NodeStatus
 from rclpy.action import ActionClient
-from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 
 from pack_bringup.job import CellGoal
 from pack_bringup.robustness.arm_record import ArmRecord
 from pack_bringup.robustness.fault_cases import GRASP
-from pack_bringup.ros.deferred_signals import deferred_signals
+from pack_bringup.ros.status_listener import StatusListener
 from pack_core.errors import PackError
+from pack_core.motion.topics import JOINT_STATES
+from pack_core.palletizing import topics
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.contracts.table import wiring_of
 from pack_core.ros.messages.conversions import from_stamp
-from pack_core.ros.node_status import LISTENING
-from pack_core.ros.run import confirm_network, start_ros
 from pack_core.ros.stream import Stream
 
-JOINTS = "/joint_states"
 QUEUE = 10_000
 """Joint states that may wait while the observer does something else: a gap would shift what is measured."""
 
@@ -38,8 +33,8 @@ START_TIMEOUT = 300.0
 """For nodes to come up [s of wall clock]; the first start compiles, for 100 s on a slow machine."""
 
 
-class CellObserver:
-    """A node for the time of a `with` block; nothing is heard but in `spin_until`.
+class CellObserver(StatusListener):
+    """A `StatusListener` that also hears the arm, and sends goals.
 
     Args:
         cell: name of the cell.
@@ -50,18 +45,19 @@ class CellObserver:
         holds: whether the gripper holds something.
         stage: of the goal in progress, from its feedback and the fingers.
         result: of the last goal; None while one is pursued.
-        statuses: newest status of each node, by name.
         diagnosed: by node, the wall clock at which its newest errors came, and their text.
         factor: real-time factor, as the simulator said last.
     """
 
+    name, turn = "cell_observer", 0.01
+
     def __init__(self, cell: str, domain: int) -> None:
-        self._cell, self._domain = cell, domain
+        super().__init__(domain)
+        self._cell = cell
         self.arm = ArmRecord()
         self.holds, self.factor = False, float("nan")
         self._phase, self._is_closing = "", False
         self.result: Any = None
-        self.statuses: dict[str, NodeStatus] = {}
         self.diagnosed: list[tuple[float, str, str]] = []
         self._handle: Any = None
         self._clients: dict[str, Any] = {}
@@ -71,44 +67,18 @@ class CellObserver:
         return GRASP if self._phase == "PICK" and self._is_closing else self._phase
 
     def __enter__(self) -> Self:
-        self._context = Context()
-        start_ros(
-            context=self._context, domain_id=self._domain, signal_handler_options=SignalHandlerOptions.NO
-        )
-        self.node = rclpy.create_node("cell_observer", context=self._context)
-        confirm_network()
-        self._executor = SingleThreadedExecutor(context=self._context)
-        self._executor.add_node(self.node)
-        hear = {
-            "/gripper/state": (self._on_gripper, None),
-            shared.DIAGNOSTICS.name: (self._on_diagnostics, None),
-            shared.NODE_STATUS.name: (self._on_status, LISTENING),
-            shared.REAL_TIME_FACTOR.name: (self._on_factor, None),
-        }
+        super().__enter__()
+        hear = {topics.GRIPPER_STATE: self._on_gripper, shared.REAL_TIME_FACTOR.name: self._on_factor}
         for contract in wiring_of(self._cell):
             if contract.name in hear:
-                callback, qos = hear[contract.name]
-                self.node.create_subscription(contract.type, contract.name, callback, qos or contract.qos)
-            elif contract.name == JOINTS:
+                self.node.create_subscription(contract.type, contract.name, hear[contract.name], contract.qos)
+            elif contract.name == JOINT_STATES:
                 self._joints = Stream(self.node, contract, depth=QUEUE)
         return self
 
-    def __exit__(self, *_: object) -> None:
-        self._executor.shutdown()
-        self.node.destroy_node()
-        self._context.try_shutdown()
-
-    def spin_until(self, condition: Callable[[], object], timeout: float) -> bool:
-        """Listen until a condition holds; False if `timeout` [s of wall clock] came first."""
-        deadline = time.monotonic() + timeout
-        while not condition():
-            if time.monotonic() > deadline:
-                return False
-            with deferred_signals():
-                self._executor.spin_once(timeout_sec=0.01)
-            for sent_ns, message in self._joints.take_with_times():
-                self._on_joints(message, sent_ns)
-        return True
+    def take(self) -> None:
+        for sent_ns, message in self._joints.take_with_times():
+            self._on_joints(message, sent_ns)
 
     def await_ready(self, names: Sequence[str], exit_codes: Callable[[], Mapping[str, int]] = dict) -> None:
         """Listen until all these nodes have said that they are ready.
@@ -152,6 +122,8 @@ class CellObserver:
         if not self.spin_until(sent.done, 20.0):
             raise PackError("the goal was not answered")
         self._handle = sent.result()
+        if not self._handle.accepted:
+            raise PackError(f"the goal was not taken by {action.name}")
         self._handle.get_result_async().add_done_callback(partial(self._on_result, self._handle))
 
     def _client(self, make: Callable[..., Any], contract: Contract) -> Any:
@@ -183,14 +155,12 @@ class CellObserver:
         else:
             self.holds = bool(message.is_closed)
 
-    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+    def _on_health(self, message: DiagnosticArray) -> None:
+        super()._on_health(message)
         now = time.monotonic()
         for status in message.status:
             if status.level == DiagnosticStatus.ERROR:
                 self.diagnosed.append((now, status.name, status.message))
-
-    def _on_status(self, message: NodeStatus) -> None:
-        self.statuses[message.name] = message
 
     def _on_factor(self, message: Any) -> None:
         self.factor = message.data

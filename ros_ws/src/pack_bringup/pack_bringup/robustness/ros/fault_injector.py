@@ -15,8 +15,9 @@ from pack_bringup.job import CellGoal
 from pack_bringup.recording.run_record import BAG_FOLDER
 from pack_bringup.robustness.arm_record import ArmRecord
 from pack_bringup.robustness.fault_cases import FREEZE_TIME, GRASP, Fault, FaultCase, FaultReport
-from pack_bringup.robustness.ros.cell_observer import JOINTS, CellObserver
+from pack_bringup.robustness.ros.cell_observer import CellObserver
 from pack_core.errors import BagError, PackError
+from pack_core.motion.topics import JOINT_STATES
 from pack_core.ros.messages.conversions import from_stamp
 from pack_evaluation.bag import read_bag
 
@@ -209,7 +210,7 @@ class FaultInjector:
 def _lacking(bag: Path, arm: ArmRecord, struck_ns: int) -> float:
     """Simulated time before a moment of the wall clock that a recording lacks [s], if need be all of it."""
     try:
-        messages = read_bag(bag.parent).of(JOINTS)
+        messages = read_bag(bag.parent).of(JOINT_STATES)
         newest = max((from_stamp(message.header.stamp) for message in messages), default=0.0)
     except BagError:
         newest = 0.0
