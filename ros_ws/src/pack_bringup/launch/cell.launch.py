@@ -6,6 +6,7 @@ Arguments:
     scene: a scene file (packing) or a problem file (blocks).
     order: an order's file, which is sent as a goal once the cell is up (palletizing).
     preset: conditions, a file of config/presets/<cell>; empty: the configuration files as they are.
+    calibration: file of a calibrated cell, as `pack calibrate` writes it (packing, palletizing); empty: none.
     domain: ROS domain id; empty: the environment's.
     namespace: of the cell, such as left; empty: none. Two cells of one domain need one each.
     live: whether to serve the page in the browser.
@@ -42,6 +43,7 @@ OPTIONAL = {
     "scene": "a scene file (packing) or a problem file (blocks)",
     "order": "an order's file, sent as a goal once the cell is up (palletizing)",
     "preset": "conditions: a file of config/presets/<cell>",
+    "calibration": "file of a calibrated cell, as pack calibrate writes it (packing, palletizing)",
     "domain": "ROS domain id; empty: the environment's",
     "namespace": "of the cell; two cells of one domain need one each",
     "record": "goals, always or never; empty: as configured",
@@ -72,7 +74,7 @@ def start_cell(context: LaunchContext) -> list[Any]:
     actions += [SetEnvironmentVariable(*item) for item in security_environment(keystore).items()]
     settings = [*launch_settings(cell, given), *given["set"].split()]
     namespace = checked_namespace(given["namespace"])
-    actions += start_nodes(cell, given["preset"], settings, keystore, namespace)
+    actions += start_nodes(cell, given["preset"], settings, keystore, namespace, given["calibration"])
     if is_yes("live", given["live"]):
         (page,) = PageProcess(cell, PAGE_PORT, namespace=namespace).commands().values()
         actions.append(ExecuteProcess(cmd=page, output="screen"))
@@ -82,10 +84,11 @@ def start_cell(context: LaunchContext) -> list[Any]:
 
 
 def start_nodes(
-    cell: str, preset: str, settings: list[str], keystore: str = "", namespace: str = ROOT
-) -> list[Node]:
+    cell: str, preset: str, settings: list[str], keystore: str = "", namespace: str = ROOT,
+    calibration: str = "",
+) -> list[Node]:  # fmt: skip
     """One launch action for each node of the graph file."""
-    parameters = launch_parameters(cell, preset, settings)
+    parameters = launch_parameters(cell, preset, settings, calibration)
     return [
         Node(
             package=node.package,

@@ -96,3 +96,11 @@ def test_what_is_launched_has_the_presets_values_and_those_given_over_them() -> 
 def test_a_setting_of_a_node_that_there_is_not_is_refused_at_launch() -> None:
     with pytest.raises(PackError, match=r"no node 'juggler'; it has: .*recorder"):
         launch_parameters("blocks", "", ["juggler.balls=3"])
+
+
+def test_a_calibration_that_the_launch_file_is_given_goes_to_the_nodes_that_know_the_cell() -> None:
+    file = config_path("calibrations", "none.yaml")
+    with pytest.raises(PackError, match=r"none\.yaml"):
+        launch_parameters("palletizing", "real", (), str(file))
+    with pytest.raises(ConfigError, match=r"cell 'blocks' takes no calibration; .*: packing, palletizing"):
+        launch_parameters("blocks", "", (), str(file))

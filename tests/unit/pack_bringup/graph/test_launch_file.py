@@ -69,7 +69,8 @@ def test_every_registered_cell_can_be_chosen(launch_file: ModuleType) -> None:
     first, *others = launch_file.generate_launch_description().args[0][:-1]
     assert first.choices == list(CELLS)
     assert {argument.args[0] for argument in others} == {
-        "seed", "scene", "order", "preset", "domain", "live", "record", "keystore", "set", "namespace",
+        "seed", "scene", "order", "preset", "calibration", "domain", "live", "record", "keystore", "set",
+        "namespace",
     }  # fmt: skip
     assert all(argument.description for argument in others)
 

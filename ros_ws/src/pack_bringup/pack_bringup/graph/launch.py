@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, get_args
 
-from pack_bringup.graph.graph import load_graph, parse_overrides, preset_overrides
+from pack_bringup.graph.graph import conditions, load_graph, parse_overrides
 from pack_bringup.recording.run_record import Record
 from pack_core.config import merged
 from pack_core.errors import ConfigError
@@ -72,19 +72,24 @@ def is_yes(name: str, value: str) -> bool:
     return value == YES
 
 
-def launch_parameters(cell: str, preset: str, settings: Iterable[str]) -> dict[str, dict[str, Any]]:
+def launch_parameters(
+    cell: str, preset: str, settings: Iterable[str], calibration: str = ""
+) -> dict[str, dict[str, Any]]:
     """What goes over the parameter files when a cell starts, by node and parameter, as values.
 
     Args:
         cell: one of the register's cells.
         preset: name of a file of config/presets/<cell>; empty: none.
         settings: `node.parameter=value` each; they go over the preset.
+        calibration: a file that was made under this preset; empty: none.
 
     Raises:
-        PackError: there is no such cell, preset or node, or a setting is not of that form.
+        PackError: there is no such cell, preset or node, the cell takes no calibration or not this one, or a
+            setting is not of that form.
     """
     graph = load_graph(cell)
-    given = merged(preset_overrides(cell, preset), parse_overrides(settings))
+    known = conditions(cell, preset, Path(calibration) if calibration else None)
+    given = merged(known, parse_overrides(settings))
     graph.check_names(given)
     return {
         node.name: {

@@ -19,13 +19,14 @@ from pack_bringup.robustness.fault_cases import GRASP
 from pack_bringup.ros.status_listener import StatusListener
 from pack_core.errors import PackError
 from pack_core.motion.topics import JOINT_STATES
-from pack_core.palletizing import topics
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.contracts.table import wiring_of
 from pack_core.ros.messages.conversions import from_stamp
 from pack_core.ros.stream import Stream
 
+GRIPPER = "/gripper/state"
+"""Where the gripper of each cell tells whether it holds something."""
 QUEUE = 10_000
 """Joint states that may wait while the observer does something else: a gap would shift what is measured."""
 
@@ -68,7 +69,7 @@ class CellObserver(StatusListener):
 
     def __enter__(self) -> Self:
         super().__enter__()
-        hear = {topics.GRIPPER_STATE: self._on_gripper, shared.REAL_TIME_FACTOR.name: self._on_factor}
+        hear = {GRIPPER: self._on_gripper, shared.REAL_TIME_FACTOR.name: self._on_factor}
         for contract in wiring_of(self._cell):
             if contract.name in hear:
                 self.node.create_subscription(contract.type, contract.name, hear[contract.name], contract.qos)
