@@ -37,7 +37,7 @@ def test_objects_are_picked_up_packed_and_let_go_beside_each_other() -> None:
     assert "0.300 x 0.300" in fates["giant"].reason
     assert fates["giant"].duration == 0.0
     result = lockstep.result()
-    assert set(result.inside) == {"can", "carton"}
+    assert set(result.truth.inside) == {"can", "carton"}
     assert not result.faults
     lockstep.cell.advance(0.5)
     truth = lockstep.simulator.truth()
@@ -47,7 +47,7 @@ def test_objects_are_picked_up_packed_and_let_go_beside_each_other() -> None:
         assert np.linalg.norm(state.v_WO_W) < 0.01
     assert not lockstep.simulator.pump.state.is_closed
     area = (np.pi * 0.034**2 + 0.09 * 0.06) / np.prod(cell.scene.container.size)
-    assert result.fill.base_area == pytest.approx(area, rel=0.01)
+    assert result.truth.fill.base_area == pytest.approx(area, rel=0.01)
 
 
 @pytest.mark.long

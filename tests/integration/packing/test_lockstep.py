@@ -14,6 +14,7 @@ import pytest
 from integration.harness import Graph
 from integration.packing.cell_rig import EASY, Cell
 from integration.packing.sim_rig import EXAMPLE
+from pack_core.errors import MessageError
 from pack_core.joints import Setpoints
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.goals import PackingExitReason, PackingMethod
@@ -129,3 +130,17 @@ def test_late_iterations_are_bridged_by_the_plan_before_them_and_the_arm_is_not_
     assert oldest[1] == pytest.approx(2 * lockstep_config().latency, abs=0.002)
     assert len(held) > 10
     assert not any(held[1:]), "the first is from before the first plan"
+
+
+def test_setpoints_that_the_driver_refuses_end_no_run() -> None:
+    lockstep = Lockstep(packing_cell(), load_scene(EASY), lockstep_config(), PackingMethod.PACK_IT_IN, SEED)
+    accept, refused = lockstep.simulator.accept, [3, 4, 5]
+
+    def refusing(setpoints: Setpoints) -> None:
+        refused[:] = [k - 1 for k in refused]
+        if 0 in refused:
+            raise MessageError("q of joint 3 is out of range")
+        accept(setpoints)
+
+    with patch.object(lockstep.simulator, "accept", refusing):
+        assert lockstep.run().success

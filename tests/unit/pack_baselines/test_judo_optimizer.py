@@ -38,4 +38,4 @@ def test_judos_method_lowers_the_cost_of_reaching_a_target() -> None:
     costs = [optimizer.improve(x0, cost, Stage.PRE_PACK, target) for _ in range(8)]
     assert costs[-1].cost < 0.9 * costs[0].cost
     assert np.all(np.abs(costs[-1].setpoints.v) <= PANDA.limits.velocity)
-    assert costs[-1].setpoints.q.shape == (JudoConfig().sgn.horizon, 7)
+    assert costs[-1].setpoints.q.shape == (JudoConfig().horizon, 7)

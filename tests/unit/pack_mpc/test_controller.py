@@ -15,6 +15,7 @@ from pack_mpc.controller import ControllerConfig, PackingController
 from pack_mpc.cost.weights import load_weights
 from pack_mpc.optimizers import OPTIMIZERS
 from pack_mpc.optimizers.optimizer import Optimizer
+from pack_mpc.state_reduction import StateReductionConfig
 from pack_mpc.target import PackingTarget, Stage
 
 ABOVE = PackingTarget(np.array([0.45, 0.05, 0.30]), 0.2)
@@ -89,7 +90,9 @@ def test_obstacles_repel_no_more_once_eq_3_has_run_out(scene: Scene, joints, sta
 def test_a_registered_optimizer_has_a_section_of_parameters(name: str) -> None:
     cls = OPTIMIZERS[name]
     assert issubclass(cls, Optimizer)
-    assert isinstance(getattr(ControllerConfig(optimizer=name), name), cls.parameters)
+    own = getattr(ControllerConfig(optimizer=name), name)
+    assert isinstance(own, cls.parameters)
+    assert isinstance(own.reduction, StateReductionConfig)
 
 
 def test_an_unknown_optimizer_is_refused_with_those_that_exist() -> None:

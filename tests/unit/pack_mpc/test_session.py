@@ -74,6 +74,15 @@ def test_an_object_that_is_seen_meanwhile_is_taken_up_without_a_stop(
     assert after.setpoints.q[0] == pytest.approx(q, abs=0.01)
 
 
+def test_a_container_that_is_found_to_stand_elsewhere_is_taken_up(
+    session: PackingSession, scene: Scene
+) -> None:
+    moved = scene.container.model_copy(update={"centre": (0.51, 0.003)})
+    assert session.follow(scene.model_copy(update={"container": moved}))
+    assert session.scene.container == session.controller.scene.container == moved
+    assert not session.follow(scene.model_copy(update={"container": moved}))
+
+
 def test_what_is_described_for_another_goal_is_not_taken_up(session: PackingSession, scene: Scene) -> None:
     other = scene.new_object.model_copy(update={"name": "other"})
     assert not session.follow(scene.model_copy(update={"new_object": other}))

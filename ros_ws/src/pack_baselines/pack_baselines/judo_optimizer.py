@@ -23,9 +23,9 @@ from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
 from pack_mpc.cost.cost import PackingCost
 from pack_mpc.optimizers.optimizer import Optimizer, Solution
-from pack_mpc.optimizers.sgn import SgnConfig
 from pack_mpc.optimizers.spline import Basis, ResolvedRateServo, ServoReference, predicted_setpoints
 from pack_mpc.plant import PackingPlant
+from pack_mpc.state_reduction import StateReductionConfig
 from pack_mpc.target import PackingTarget, Stage
 
 WORTHLESS = 1e12
@@ -33,7 +33,7 @@ WORTHLESS = 1e12
 
 
 class JudoConfig(Config):
-    """Parameters of the optimizer `judo`: judo's own for its task `fr3_pick`, SGN's for the rest."""
+    """Parameters of the optimizer `judo`: judo's own for its task `fr3_pick`, those of `sgn` for the rest."""
 
     nodes: PositiveInt = Field(default=4, description="knots of the twist spline")
     rollouts: PositiveInt = Field(default=64, description="random splines in each iteration")
@@ -43,7 +43,14 @@ class JudoConfig(Config):
     )
     sigma_max: PositiveFloat = Field(default=0.3, description="largest standard deviation, likewise")
     noise_ramp: PositiveFloat = Field(default=4.0, description="growth of the deviation along the spline")
-    sgn: SgnConfig = SgnConfig()
+    timestep: PositiveFloat = Field(default=0.02, description="time step of the model [s]")
+    horizon: PositiveInt = Field(default=30, description="length of the horizon, in steps")
+    speed_linear: PositiveFloat = Field(default=0.4, description="largest linear twist [m/s]")
+    speed_angular: PositiveFloat = Field(default=1.5, description="largest angular twist [rad/s]")
+    leash: PositiveFloat = Field(
+        default=0.04, description="lead limit: how far the reference may be ahead of the arm [m]"
+    )
+    reduction: StateReductionConfig = StateReductionConfig()
 
 
 class JudoOptimizer(Optimizer):
@@ -56,13 +63,12 @@ class JudoOptimizer(Optimizer):
     parameters = JudoConfig
 
     def __init__(self, scene: Scene, cell: PackingCell, config: JudoConfig, threads: int) -> None:
-        sgn = config.sgn
-        self.plant = PackingPlant(scene, cell, timestep=sgn.timestep, threads=threads, arm=ArmRole.SERVO)
-        self._sgn, self._drive = sgn, cell.robot
+        self.plant = PackingPlant(scene, cell, timestep=config.timestep, threads=threads, arm=ArmRole.SERVO)
+        self._config, self._drive = config, cell.robot
         self._method = _make_method(config)
-        times = np.asarray(sgn.timestep * np.arange(sgn.horizon), dtype=float)
-        self._basis = Basis(times, np.linspace(0.0, sgn.timestep * sgn.horizon, config.nodes))
-        self._largest = np.array([sgn.speed_linear] * 3 + [sgn.speed_angular] * 3)
+        times = np.asarray(config.timestep * np.arange(config.horizon), dtype=float)
+        self._basis = Basis(times, np.linspace(0.0, config.timestep * config.horizon, config.nodes))
+        self._largest = np.array([config.speed_linear] * 3 + [config.speed_angular] * 3)
         self._knots = np.zeros((config.nodes, 6))
         self._reference: ServoReference | None = None
         np.random.seed(0)  # noqa: NPY002 - judo has no generator of its own
@@ -71,11 +77,15 @@ class JudoOptimizer(Optimizer):
     def require(cls) -> None:
         require_judo()
 
+    def go_on_from(self, last: Optimizer) -> None:
+        assert isinstance(last, JudoOptimizer)
+        self._knots, self._reference = last._knots, last._reference
+
     def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: PackingTarget) -> Solution:
         """One iteration from the state `x0`: the mean of the cheapest splines is the plan."""
         last, now, q_arm = self._reference, float(x0[0]), x0[self.plant.layout.q]
         start, q_ref = (now, q_arm) if last is None else (last.time, last.at(now, q_arm))
-        servo = ResolvedRateServo(self.plant, q_arm, q_ref, self._sgn.leash)
+        servo = ResolvedRateServo(self.plant, q_arm, q_ref, self._config.leash)
         nominal = self._basis.shifted(self._knots, now - start)
         self._method.pre_optimization(start + self._basis.knots, now + self._basis.knots)
         samples = np.clip(self._method.sample_control_knots(nominal), -1.0, 1.0)
@@ -99,7 +109,7 @@ class JudoOptimizer(Optimizer):
 
     def _references(self, servo: ResolvedRateServo, knots: Array) -> tuple[Array, Array]:
         """Joint positions and velocities `(B, T, 7)` of scaled twist knots `(B, K, 6)`."""
-        return servo.references(self._basis.matrix() @ (knots * self._largest), self._sgn.timestep)
+        return servo.references(self._basis.matrix() @ (knots * self._largest), self._config.timestep)
 
 
 def require_judo() -> Any:

@@ -72,7 +72,7 @@ class PackingSession:
         return scene if self.method.knows_objects else scene.model_copy(update={"objects": []})
 
     def follow(self, scene: Scene) -> bool:
-        """Go on with what is described now: objects that were seen meanwhile, or seen better.
+        """Go on with what is described now: objects that were seen meanwhile, or seen better, and where from.
 
         Returns:
             Whether anything has changed. A scene in which something else is held, or that lacks an object, is
@@ -80,9 +80,10 @@ class PackingSession:
         """
         is_same_goal = scene.new_object.name == self.scene.new_object.name and not scene.is_handed_over
         is_same_goal &= set(self.scene.names) <= set(scene.names)
-        if not is_same_goal or scene.objects == self.scene.objects:
+        now = {"objects": scene.objects, "container": scene.container}
+        scene = self.scene.model_copy(update=now)
+        if not is_same_goal or scene == self.scene:
             return False
-        scene = self.scene.model_copy(update={"objects": scene.objects})
         self.controller.change_scene(self._modelled(scene))
         self.task.change_scene(scene)
         self._watch.change_scene(scene)

@@ -19,6 +19,7 @@ class RegistrationConfig(Config):
     every: PositiveInt = Field(default=4, description="every many points one is used to choose among them")
     reaches: tuple[PositiveFloat, ...] = Field(
         default=(0.03, 0.015, 0.01, 0.006, 0.006, 0.006),
+        min_length=3,
         description="farthest that a point is from a face of the container, by step of a fit [m]",
     )
     scale: PositiveFloat = Field(default=0.002, description="deviation from which a point counts less [m]")

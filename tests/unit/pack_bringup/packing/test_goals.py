@@ -5,15 +5,17 @@ from pathlib import Path
 from pack_bringup.packing.goals import fill_goal, packing_fill_job, wanted_list
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.packing_list import parse_list
-from pack_core.packing.scene_file import parse_scene
 from pack_core.paths import config_path
+from pack_lockstep.packing.lockstep_config import load_preset
+from pack_sim.packing.sim_node import wanted_scene
 
 EXAMPLE = config_path("packing_lists", "example.yaml")
 
 
 def test_the_cell_is_emptied_and_the_first_object_handed_over() -> None:
     contract, request = fill_goal(3, EXAMPLE).reset()
-    start = parse_scene(request.scene, "request", packing_cell())
+    start = wanted_scene(request, load_preset("iiwa14").packing_cell())
+    assert start.container.centre == (0.56, 0.0)  # of the cell that is asked
     assert contract.name == "/sim/reset"
     assert not start.objects
     assert start.new_object.name == wanted_list(3, EXAMPLE, packing_cell()).objects[0].name

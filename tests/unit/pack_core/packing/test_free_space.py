@@ -6,7 +6,6 @@ import pytest
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.free_space import (
     base_height,
-    fill,
     fitting_yaws,
     footprint,
     free_places,
@@ -68,11 +67,6 @@ def test_a_gap_slightly_too_narrow_is_blocked() -> None:
     wide = Box(name="wide", shape="box", size=(0.2415, 0.20, 0.1), mass=1.0)
     placed = scene_of(wide, new=BRICK).with_poses({"wide": Pose(np.array([0.35 + 0.12075, 0.0, 0.05]))})
     assert is_blocked(placed)
-
-
-def test_fill_is_the_covered_share_of_the_base() -> None:
-    placed = scene_of(BRICK, new=CAN).with_poses({"brick": MIDDLE})
-    assert fill(placed) == pytest.approx(0.10 * 0.06 / (0.30 * 0.20))
 
 
 def test_outlines_over_a_wall_are_not_inside() -> None:

@@ -46,6 +46,7 @@ def test_the_lists_of_the_project_begin_in_a_scene_that_the_cell_accepts(path: P
         ({"size": [0.03, 0.1, 0.1]}, "width of the cup"),
         ({"size": [0.1, 0.1]}, "size"),
         ({"colour": "red"}, "colour"),
+        ({"name": "wall_left"}, "names that the cell itself uses: wall_left"),
     ],
 )
 def test_a_list_that_cannot_be_packed_is_refused_with_the_reason(

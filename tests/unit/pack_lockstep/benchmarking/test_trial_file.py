@@ -53,6 +53,13 @@ def test_a_line_that_was_cut_off_is_taken_out_and_the_trial_runs_again(tmp_path:
     assert list(TrialFile(path, "packing", SETTINGS).trials) == ["whole", "cut"]
 
 
+def test_a_file_whose_first_line_was_cut_off_is_begun_anew(tmp_path: Path) -> None:
+    path = tmp_path / "trials.jsonl"
+    path.write_text('{"cell": "pack')
+    TrialFile(path, "packing", SETTINGS).add({"name": "first"})
+    assert list(TrialFile(path, "packing", SETTINGS).trials) == ["first"]
+
+
 def test_other_settings_are_refused_and_named(tmp_path: Path) -> None:
     path = tmp_path / "trials.jsonl"
     TrialFile(path, "packing", SETTINGS)
@@ -67,7 +74,7 @@ def test_other_settings_are_refused_and_named(tmp_path: Path) -> None:
     assert len(TrialFile(path, "packing", SETTINGS).trials) == 0
 
 
-@pytest.mark.parametrize("content", ["", "not json\n", "[]\n", '{"name": "no header"}\n'])
+@pytest.mark.parametrize("content", ["not json\n", "[]\n", '{"name": "no header"}\n'])
 def test_what_is_no_file_of_trials_is_refused(tmp_path: Path, content: str) -> None:
     path = tmp_path / "trials.jsonl"
     path.write_text(content)

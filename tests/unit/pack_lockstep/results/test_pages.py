@@ -82,6 +82,7 @@ def test_figures_of_an_earlier_version_are_called_so() -> None:
         ("| {packing.ideal.sucess} |", "no sucess; there are success, scenes"),
         ("| {packing.ideal.time.mean:q} |", "Unknown format code"),
         ("| {packing.ideal.success |", "expected '}'"),
+        ("| no result |", "cannot be written"),
     ],
 )
 def test_a_template_with_a_mistake_is_refused(row: str, words: str) -> None:

@@ -52,12 +52,14 @@ class FakeCell:
         reasons: how each packing goal ends.
         places: how many of the arrangements have a place for it.
         is_stuck: the arm moves no more once a packing goal has ended.
+        keeps: how the pump does not open: it refuses with this reason, or, if that is empty, without a word.
     """
 
     tilts: list[Array]
     reasons: list[PackingExitReason]
     places: int = 9
     is_stuck: bool = False
+    keeps: str | None = None
     packs: list[Pack] = field(default_factory=list)
     is_gripped: bool = False
     X_WO: Pose = field(default_factory=lambda: CELL.hand_over.pose_of(CARTON))
@@ -82,8 +84,8 @@ class FakeCell:
             case Present():
                 return Presented(LIST.start(CELL))
             case UsePump(close):
-                self.is_gripped = close
-                return ""
+                self.is_gripped = close or self.keeps is not None
+                return "" if close else self.keeps or ""
             case Pack():
                 self.packs.append(request)
                 k = len(self.packs) - 1
@@ -145,6 +147,19 @@ def test_a_job_ends_with_the_object_held_if_the_arm_cannot_put_it_aside() -> Non
     assert job.fault.startswith(
         "'carton' is still held (it is tilted by 18 degrees): the arm could not carry it on"
     )
+
+
+@pytest.mark.parametrize(
+    ("keeps", "reason"), [("the valve is stuck", "the valve is stuck"), ("", "the vacuum stayed")]
+)
+@pytest.mark.parametrize("is_put_aside", [False, True])
+def test_a_pump_that_does_not_let_go_ends_the_job(keeps: str, reason: str, is_put_aside: bool) -> None:
+    tilt = LEANING if is_put_aside else np.zeros(3)
+    cell = FakeCell([tilt], [PLACED], places=1, keeps=keeps)
+    job = run(cell)
+    (row,) = job.report.objects
+    assert (row.is_packed, row.has_fault) == (False, True)
+    assert job.fault.endswith(f"the pump does not let go: {keeps or 'the vacuum stayed'}")
 
 
 def test_it_is_put_aside_at_once_if_there_is_no_other_place_for_it() -> None:

@@ -68,6 +68,13 @@ def test_reading_twice_changes_nothing() -> None:
     np.testing.assert_array_equal(sensor.read(ZERO, ZERO), sensor.read(ZERO, ZERO))
 
 
+def test_what_was_set_to_zero_stays_so_when_the_errors_become_larger() -> None:
+    sensor = WrenchSensor(WrenchSensorConfig(force_bias=1.0), STEP, np.random.default_rng(0))
+    sensor.zero()
+    sensor.configure(WrenchSensorConfig(force_bias=5.0))
+    np.testing.assert_array_equal(sensor.read(ZERO, ZERO)[0], ZERO)
+
+
 def test_other_errors_count_at_once_and_none_leave_no_trace() -> None:
     sensor = WrenchSensor(WrenchSensorConfig(), STEP, np.random.default_rng(0))
     sensor.configure(WrenchSensorConfig(force_bias=2.0))

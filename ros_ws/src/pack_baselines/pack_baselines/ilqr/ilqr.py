@@ -57,7 +57,7 @@ class IlqrConfig(Config):
     """Parameters of one iteration."""
 
     keypoint_interval: int = Field(default=10, ge=1, description="steps between finite differences")
-    step_sizes: tuple[float, ...] = Field(default=(1.0, 0.3), description="line search")
+    step_sizes: tuple[PositiveFloat, ...] = Field(default=(1.0, 0.3), min_length=1, description="line search")
     regularisation_min: PositiveFloat = Field(default=1e-6, description="least regularisation of Quu")
     regularisation_max: PositiveFloat = Field(
         default=1e4, description="regularisation beyond which an iteration gives up"

@@ -88,11 +88,13 @@ def goal(
     - `pack goal packing --fill config/packing_lists/example.yaml`
     """
     from pack_bringup.packing.goals import PackingGoal, fill_goal
+    from pack_core.packing.scene_file import scene_text
 
     at = CellAddress(domain, namespace, network)
     if is_fill(fill, given, scene, method):
         run_goal(fill_goal(seed, given), at, reset=reset)
-    check_scene(scene)
+    if scene is not None:
+        scene_text(scene)  # a file that cannot be read is refused before anybody is asked
     run_goal(PackingGoal(seed, scene, method.value), at, reset=reset)
 
 
@@ -103,14 +105,6 @@ def is_fill(fill: bool, given: Path | None, scene: Path | None, method: PackingM
     if scene is not None or method is not PackingMethod.PACK_IT_IN:
         raise ConfigError("--scene or --method beside --fill; allowed: LIST, which has its own container")
     return True
-
-
-def check_scene(path: Path | None) -> None:
-    """Refuse a scene file that cannot be used before anybody is asked to; raises ConfigError."""
-    from pack_core.packing.scene_file import load_scene
-
-    if path is not None:
-        load_scene(path)
 
 
 def demo(
@@ -148,9 +142,11 @@ def demo(
     - `pack demo packing --fill config/packing_lists/example.yaml`
     - `pack demo packing --preset installed --calibration calibration.yaml --real-time-factor 0.5`
     """
-    from pack_bringup.packing.goals import PackingJob
+    from pack_bringup.packing.goals import PackingJob, cell_of
+    from pack_core.packing.scene_file import load_scene
 
-    check_scene(scene)
+    if scene is not None:
+        load_scene(scene, cell_of(preset))
     folder = output or default_folder("packing", seed, datetime.now())
     job: PackingJob
     if is_fill(fill, given, scene, method):
@@ -270,7 +266,7 @@ def benchmark(
     if fill:
         others = {
             "--method": method != "pack_it_in", "--optimizer": optimizer, "--weights": weights,
-            "--container": container, "--scene-dir": scene_dir,
+            "--container": container, "--scene-dir": scene_dir, "--no-blocked": not blocked,
         }  # fmt: skip
         if given_too := [name for name, value in others.items() if value]:
             raise ConfigError(
@@ -279,6 +275,8 @@ def benchmark(
             )
         run(_filling(places, preset, cores_each, seed, scenes), options)
         return
+    if places is not FillMethod.CONTACT:
+        raise ConfigError(f"--places {places.value} without --fill; allowed: both, or neither of them")
     given = {
         "method": method, "optimizer": optimizer, "weights": weights, "preset": preset,
         "container": parse_size(container) if container else None, "blocked": blocked,

@@ -88,12 +88,9 @@ class PackingFillGoal(PackingGoal):
         """The service that empties the container and the pump, and its request."""
         from pack_interfaces.srv import ResetScene
 
-        from pack_core.packing.cell import packing_cell
         from pack_core.ros.contracts.packing import RESET
 
-        cell = packing_cell()
-        start = parse_list(self.list_text, "list", cell).start(cell)
-        return RESET, ResetScene.Request(scene=start.to_yaml(), seed=self.seed)
+        return RESET, ResetScene.Request(scene=self.list_text, seed=self.seed)
 
     def progress(self, feedback: Any, real_time_factor: float) -> Progress:
         """Feedback of the action in words."""
@@ -105,8 +102,13 @@ class PackingFillGoal(PackingGoal):
         )
 
 
-def wanted_list(seed: int, given: Path | None, cell: PackingCell) -> PackingList:
+def wanted_list(seed: int, given: Path | None, cell: PackingCell | None = None) -> PackingList:
     """The list of a file or, without one, objects that the seed draws from the catalogue.
+
+    Args:
+        seed: draws them.
+        given: the file.
+        cell: the cell that shall pack them; None: a running one, which checks them itself.
 
     Raises:
         ConfigError: the list cannot be used.
@@ -116,9 +118,7 @@ def wanted_list(seed: int, given: Path | None, cell: PackingCell) -> PackingList
 
 def fill_goal(seed: int, given: Path | None) -> PackingGoal:
     """The goal of a list file or, without one, of the list that the seed draws; raises ConfigError."""
-    from pack_core.packing.cell import packing_cell
-
-    return PackingFillGoal(seed, list_text=wanted_list(seed, given, packing_cell()).to_yaml())
+    return PackingFillGoal(seed, list_text=wanted_list(seed, given).to_yaml())
 
 
 def given_goal(text: str, seed: int) -> PackingGoal:
@@ -127,9 +127,7 @@ def given_goal(text: str, seed: int) -> PackingGoal:
     Raises:
         ConfigError: the list cannot be used.
     """
-    from pack_core.packing.cell import packing_cell
-
-    parse_list(text, "the list", packing_cell())
+    parse_list(text, "the list")
     return PackingFillGoal(seed, list_text=text)
 
 
@@ -189,9 +187,7 @@ def packing_fill_job(
     Raises:
         ConfigError: the list cannot be used, or there is no such preset.
     """
-    from pack_lockstep.packing.lockstep_config import PackingPreset, load_preset
-
-    cell = (load_preset(preset) if preset else PackingPreset()).packing_cell()
+    cell = cell_of(preset)
     listed = wanted_list(seed, given, cell)
     folder.mkdir(parents=True, exist_ok=True)
     start = folder / START
@@ -200,6 +196,13 @@ def packing_fill_job(
         seed, start, folder=folder, preset=preset, list_text=listed.to_yaml(),
         real_time_factor=real_time_factor, command=command, calibration=calibration,
     )  # fmt: skip
+
+
+def cell_of(preset: str) -> PackingCell:
+    """The cell under a preset, or as configured; raises ConfigError where there is no such preset."""
+    from pack_lockstep.packing.lockstep_config import PackingPreset, load_preset
+
+    return (load_preset(preset) if preset else PackingPreset()).packing_cell()
 
 
 NODES = ("sim", "perception", "planner", "mpc")

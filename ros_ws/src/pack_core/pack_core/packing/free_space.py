@@ -76,11 +76,6 @@ def is_blocked(scene: Scene) -> bool:
     return all(free_places(item, yaw, scene.container, taken, margin).area < SMALLEST_AREA for yaw in yaws)
 
 
-def fill(scene: Scene) -> float:
-    """Share of the container's base that the objects in it cover."""
-    return float(shapely.union_all(outlines(scene)).area / np.prod(scene.container.size))
-
-
 def is_inside(outline: shapely.Polygon, container: Container, tolerance: float = 0.0) -> bool:
     """Whether the outline lies between the walls, exceeding them by at most `tolerance` [m]."""
     return bool(shapely.box(*container.lower, *container.upper).buffer(tolerance).covers(outline))

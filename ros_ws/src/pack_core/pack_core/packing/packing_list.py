@@ -15,7 +15,7 @@ from pack_core.config import Config, load_config, parse_config
 from pack_core.errors import ConfigError
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.objects import ObjectModel
-from pack_core.packing.scene import Container, Scene
+from pack_core.packing.scene import Container, Scene, name_fault
 from pack_core.paths import config_path
 from pack_core.pose_config import PoseConfig
 
@@ -53,17 +53,12 @@ class PackingList(Config):
     def _can_be_handed_over(self) -> Self:
         if posed := [item.name for item in self.objects if item.pose is not None]:
             raise ValueError(f"'pose' of {', '.join(posed)}; allowed: none, objects are handed over")
-        names = [item.name for item in self.objects]
-        if doubled := sorted({name for name in names if names.count(name) > 1}):
-            raise ValueError(f"objects share a name: {', '.join(doubled)}; allowed: every object its own")
+        if fault := name_fault([item.name for item in self.objects]):
+            raise ValueError(fault)
         return self
 
     def start(self, cell: PackingCell) -> Scene:
-        """The scene in which a job begins: an empty container, and the first object handed over.
-
-        Raises:
-            ConfigError: an object has a name that the cell uses itself.
-        """
+        """The scene in which a job begins: an empty container, and the first object handed over."""
         given = cell.scene
         return Scene(
             container=self.container or given.container, friction=given.friction, objects=[],
@@ -112,8 +107,8 @@ def draw_list(seed: int, count: int, catalogue: PackingList) -> PackingList:
     return catalogue.model_copy(update={"objects": objects})
 
 
-def supermarket_list(seed: int, cell: PackingCell) -> PackingList:
-    """The list of `DRAWN` supermarket objects that a seed stands for."""
+def supermarket_list(seed: int, cell: PackingCell | None = None) -> PackingList:
+    """The list of `DRAWN` supermarket objects that a seed stands for; checked as `load_list` does."""
     return draw_list(seed, DRAWN, load_list(config_path(*CATALOGUE), cell))
 
 
@@ -122,19 +117,25 @@ def handed_over(item: ObjectModel, cell: PackingCell) -> ObjectModel:
     return item.model_copy(update={"pose": PoseConfig.from_pose(cell.hand_over.pose_of(item))})
 
 
-def load_list(path: Path, cell: PackingCell) -> PackingList:
+def load_list(path: Path, cell: PackingCell | None = None) -> PackingList:
     """Read a list file.
+
+    Args:
+        path: the file.
+        cell: the cell that shall pack the list; None: one that checks it itself.
 
     Raises:
         ConfigError: a key or value is missing or not allowed.
     """
     found = load_config(PackingList, path)
-    found.check(cell, str(path))
+    if cell is not None:
+        found.check(cell, str(path))
     return found
 
 
-def parse_list(text: str, source: str, cell: PackingCell) -> PackingList:
+def parse_list(text: str, source: str, cell: PackingCell | None = None) -> PackingList:
     """Read a list file's text, as `load_list` does; `source` names it in errors."""
     found = parse_config(PackingList, text, source)
-    found.check(cell, source)
+    if cell is not None:
+        found.check(cell, source)
     return found

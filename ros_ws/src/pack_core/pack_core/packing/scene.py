@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -42,6 +43,15 @@ class Container(Config):
         return np.array(self.centre) + 0.5 * np.array(self.size)
 
 
+def name_fault(names: Sequence[str]) -> str:
+    """Why objects cannot have these names in a cell; empty if they can."""
+    if doubled := sorted({name for name in names if names.count(name) > 1}):
+        return f"objects share a name: {', '.join(doubled)}; allowed: every object its own"
+    if taken := sorted(name for name in names if name in RESERVED or name.startswith(RESERVED_PREFIXES)):
+        return f"names that the cell itself uses: {', '.join(taken)}; allowed: others"
+    return ""
+
+
 class Scene(Config):
     """The content of a scene file. Without poses of its objects it is a description of the cell."""
 
@@ -56,10 +66,8 @@ class Scene(Config):
     @model_validator(mode="after")
     def _names_differ(self) -> Scene:
         names = [item.name for item in (*self.objects, self.new_object)]
-        if doubled := sorted({name for name in names if names.count(name) > 1}):
-            raise ValueError(f"objects share a name: {', '.join(doubled)}; allowed: every object its own")
-        if taken := sorted(name for name in names if name in RESERVED or name.startswith(RESERVED_PREFIXES)):
-            raise ValueError(f"names that the cell itself uses: {', '.join(taken)}; allowed: others")
+        if fault := name_fault(names):
+            raise ValueError(fault)
         return self
 
     @property

@@ -32,19 +32,18 @@ class Pump(Config):
         return self.body_length + self.stem_length
 
 
-def add_pump(link: mujoco.MjsBody, pump: Pump, flange: float, *, gravcomp: bool = True) -> mujoco.MjsBody:
+def add_pump(link: mujoco.MjsBody, pump: Pump, flange: float) -> mujoco.MjsBody:
     """Fix the pump to an arm's flange.
 
     Args:
         link: the arm's last link.
         pump: sizes and mass.
         flange: where the flange is, along the link's z axis [m].
-        gravcomp: compensate the pump's weight, as the robot's driver does.
 
     Returns:
         The body `tool`, whose origin is the cup and whose z axis points out of it.
     """
-    tool = link.add_body(name="tool", pos=(0, 0, flange + pump.length), gravcomp=gravcomp)
+    tool = link.add_body(name="tool", pos=(0, 0, flange + pump.length), gravcomp=True)
     tool.mass, tool.ipos = pump.mass, (0, 0, -pump.stem_length - pump.body_length / 2)
     # a solid cylinder: m (3 r^2 + l^2) / 12 across its axis, m r^2 / 2 about it
     moments = pump.mass * np.array(

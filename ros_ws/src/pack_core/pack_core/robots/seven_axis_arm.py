@@ -115,12 +115,11 @@ class SevenAxisArm:
         p_4S, p_4W = (X_23 @ X_34).inverse().p, (X_45 @ X_56).p
         return float(np.arctan2(-p_4S[1], -p_4S[0]) - np.arctan2(p_4W[1], p_4W[0]))
 
-    def add_to(self, spec: mujoco.MjSpec, *, gravcomp: bool = True) -> mujoco.MjsBody:
+    def add_to(self, spec: mujoco.MjSpec) -> mujoco.MjsBody:
         """Add the arm at the world's origin.
 
         Args:
             spec: the model under construction.
-            gravcomp: compensate the weight of the links, as the robot's driver does.
 
         Returns:
             The last link; the flange is `flange` along its z axis.
@@ -128,9 +127,7 @@ class SevenAxisArm:
         body = spec.worldbody.add_body(name=f"{self.name}_link0")
         _draw(body, self.base, self.dark)
         for i, link in enumerate(self.links):
-            body = body.add_body(
-                name=f"{self.name}_link{i + 1}", pos=link.pos, quat=link.quat, gravcomp=gravcomp
-            )
+            body = body.add_body(name=f"{self.name}_link{i + 1}", pos=link.pos, quat=link.quat, gravcomp=True)
             body.mass, body.ipos, body.fullinertia = link.mass, link.com, link.inertia
             body.explicitinertial = True
             body.add_joint(

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 from pack_core.errors import ConfigError
-from pack_core.text.json_text import parse_json
 from pack_core.text.limits import MOST_BYTES, too_large
 from pack_core.text.yaml_text import parse_yaml
 
@@ -49,8 +48,3 @@ def decoded(content: bytes, source: str) -> str:
 def load_yaml(path: Path) -> Any:
     """The values of a YAML file; raises ConfigError."""
     return parse_yaml(read_text(path), str(path))
-
-
-def load_json(path: Path) -> Any:
-    """The values of a JSON file; raises ConfigError."""
-    return parse_json(read_text(path), str(path))

@@ -142,13 +142,13 @@ class PackingMeasures:
     ]
 
 
-def measure(run: Run, criteria: Criteria | None = None) -> PackingMeasures:
+def measure(run: Run) -> PackingMeasures:
     """Measure a run; the same function serves live runs, `pack evaluate` and the benchmarks."""
     times, force = goal_force(run)
     iterations, end, model = run.iterations, containment(run), predict(run)
     placements = iterations.placements[-1] if iterations.times.size else run.outcome.get("placements", 0)
     return PackingMeasures(
-        success=is_packed(run), exit_reason=exit_reason(run, criteria or Criteria()),
+        success=is_packed(run), exit_reason=exit_reason(run, Criteria()),
         execution_time=run.end - run.start, distance=final_distance(run),
         is_contained=end.is_contained, protrusion=end.protrusion, top_over_rim=end.top_over_rim,
         tilt=end.tilt,

@@ -12,7 +12,6 @@ import numpy as np
 
 from pack_core.packing.goals import PackingExitReason
 from pack_core.rotations import Array
-from pack_evaluation.packing.criteria import Criteria
 from pack_evaluation.packing.measures import CYCLE_MS, PackingMeasures, goal_force, measure
 from pack_evaluation.packing.run import Run
 from pack_evaluation.packing.seen_objects import PerceptionErrors, figures, perception_errors
@@ -49,11 +48,11 @@ class PackingTrial:
         return self.measures.exit_reason in EARLY
 
 
-def trial_of(name: str, run: Run, criteria: Criteria | None = None) -> PackingTrial:
+def trial_of(name: str, run: Run) -> PackingTrial:
     """Measure a run as part of a study."""
     message = str(run.outcome.get("message", ""))
     return PackingTrial(
-        name, measure(run, criteria), message, goal_force(run)[1], run.iterations.ms, perception_errors(run)
+        name, measure(run), message, goal_force(run)[1], run.iterations.ms, perception_errors(run)
     )
 
 

@@ -55,10 +55,10 @@ class TrialFile:
     ) -> None:
         self._path = path
         wanted = json.loads(json.dumps(plain(settings)))
-        if not path.is_file():
+        _cut_off_what_is_not_whole(path)
+        if not path.is_file() or not path.stat().st_size:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._write({"cell": cell, "origin": plain(origin or {}), "settings": wanted})
-        _cut_off_what_is_not_whole(path)
         found = read_trials(path)
         self._trials = found.trials
         if differences := _differences(
@@ -90,7 +90,9 @@ class TrialFile:
 
 
 def _cut_off_what_is_not_whole(path: Path) -> None:
-    """Take out of a file a last line at which whoever wrote it was killed."""
+    """Take out of a file, if there is one, a last line at which whoever wrote it was killed."""
+    if not path.is_file():
+        return
     content = path.read_bytes()
     whole = content.rfind(b"\n") + 1
     if whole != len(content):

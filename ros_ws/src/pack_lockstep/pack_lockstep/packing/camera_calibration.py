@@ -61,6 +61,8 @@ EVERY = 3
 """Every many pixels of a row or column one tells where the container is."""
 CHECKED = 3
 """A check visits every so many of the postures."""
+FAR = 10.0
+"""Farther off no camera can be [m]."""
 CHECK_SHIFT, CHECK_TURN = 0.001, np.deg2rad(0.15)
 """Farthest that a camera may be from where its calibration has it when that is checked [m] and [rad]."""
 
@@ -288,7 +290,8 @@ def check(
     """
     run, visited = CameraCalibrationRun(cell, config, seed), postures(cell)[::CHECKED]
     views = run.views(visited, lambda number: on_view(number, len(visited)))
-    few = CameraCalibrationConfig(postures=len(visited) - 1, sigma=CHECK_SHIFT)
+    # how far off a camera is, is what is asked: it is no reason not to say it
+    few = CameraCalibrationConfig(postures=len(visited) - 1, sigma=CHECK_SHIFT, shift=FAR, turn_deg=180.0)
     found = find_cameras(cell, calibration.applied(cell.depth), views, few)
     return tuple(
         CheckedCamera(name, float(np.linalg.norm(one.off.shift)), float(np.linalg.norm(one.off.turn)))

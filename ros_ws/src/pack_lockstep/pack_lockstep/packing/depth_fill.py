@@ -104,7 +104,7 @@ class DepthFillLockstep(FillLockstep):
         assert isinstance(estimator, DepthEstimator)
         while not estimator.knows_objects and self.cell.simulator.time - start < LOOK_PATIENCE:
             self.cell.advance(LOOK_STEP)
-        self.job.scene = self.cell.known_scene
+        self.job.follow(self.cell.known_scene)
         there, seen = self.cell.simulator.scene.objects, self.cell.seen()
         self.looks.append(ContentLook(len(there), len(seen.poses), len(seen.objects)))
         return super()._pack(request, on_step)

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from pack_core.errors import MessageError
-from pack_core.joints import Setpoints, hold
+from pack_core.joints import hold
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.free_space import Fill, fill_of, is_packed
 from pack_core.packing.goals import Arrangement, FillMethod, PackingMethod
 from pack_core.packing.packing_list import PackingList
-from pack_lockstep.packing.lockstep import LockstepCell, LockstepPlacements, Sense
+from pack_evaluation.packing.fill.true_end import TrueEnd, true_end
+from pack_lockstep.packing.lockstep import LockstepCell, LockstepPlacements, Sense, cycles
 from pack_lockstep.packing.lockstep_config import LockstepConfig
 from pack_mpc.filling.fill_job import FillJob, FillReport
 from pack_mpc.filling.requests import (
@@ -43,39 +41,34 @@ class FillResult:
     Attributes:
         report: what the job itself saw.
         given: number of objects of the list.
-        fill: how full the container truly is.
-        inside: names of the objects that truly are in it.
-        outside: names of objects that are neither in it nor where they were handed over.
+        truth: how the job truly ended.
         force_peak: largest external force of the whole job, behind a low-pass of 5 ms [N].
     """
 
     report: FillReport
     given: int
-    fill: Fill
-    inside: tuple[str, ...]
-    outside: tuple[str, ...]
+    truth: TrueEnd
     force_peak: float
 
     @property
     def faults(self) -> list[str]:
         """What went wrong, in words."""
-        rows = [f"{row.name}: {row.reason}" for row in self.report.objects if row.has_fault]
-        return rows + [f"{name} ends outside" for name in self.outside]
+        found = {row.name: row.reason for row in self.report.objects if row.has_fault}
+        found = dict.fromkeys(self.truth.outside, "it ends outside") | found
+        return [f"{name}: {reason}" for name, reason in sorted(found.items())]
 
     def measures(self) -> dict[str, Any]:
         """Plain values for the file of results; times in [s], the force in [N], shares from 0 to 1."""
-        rows = self.report.objects
+        rows, truth = self.report.objects, self.truth
         return {
-            "without_fault": not self.faults, "faults": self.faults, "objects": len(self.inside),
-            "given": self.given, "base_area": self.fill.base_area, "volume": self.fill.volume,
-            "durations": [row.duration for row in rows if row.name in self.inside],
+            "without_fault": not self.faults, "faults": self.faults, "objects": len(truth.inside),
+            "given": self.given, "base_area": truth.fill.base_area, "volume": truth.fill.volume,
+            "durations": [row.duration for row in rows if row.name in truth.inside],
             "force": self.force_peak,
             "fills": [[time, fill.base_area, fill.volume] for time, fill in self.report.fills],
         }  # fmt: skip
 
 
-NEAR_HAND_OVER = 0.1
-"""An object this near to the hand-over place was put aside there, or never left it [m]."""
 PERIOD = 0.02
 """Time between two steps of the job while no goal is in progress [s]."""
 
@@ -113,7 +106,7 @@ class FillLockstep:
             command = self.job.step(self._observe(answer))
             answer = None if command.request is None else self._serve(command.request, on_step)
             if command.setpoints is not None:
-                self._send(command.setpoints)
+                self.cell.send(command.setpoints)
             if answer is None:
                 self.cell.advance(PERIOD)
             if on_step is not None:
@@ -123,26 +116,17 @@ class FillLockstep:
     def result(self) -> FillResult:
         """The job's report, and what is true."""
         scene, truth = self.simulator.scene, self.simulator.truth()
-        poses = {name: truth.objects[name].X_WO for name in (*scene.names, scene.new_object.name)}
-        inside = tuple(name for name, X_WO in poses.items() if is_packed(scene, X_WO))
-        place = np.array(self._physical.hand_over.centre)
-        outside = tuple(
-            name
-            for name, X_WO in poses.items()
-            if name not in inside and np.linalg.norm(X_WO.p[:2] - place) > NEAR_HAND_OVER
-        )
-        fill = fill_of(scene.container, [(scene.model_of(name), poses[name]) for name in inside])
-        return FillResult(self.job.report, self._given, fill, inside, outside, self._force_peak)
+        place = self._physical.hand_over
+        ends = {
+            name: (place.pose_of(scene.model_of(name)), truth.objects[name].X_WO)
+            for name in (*scene.names, scene.new_object.name)
+        }
+        return FillResult(self.job.report, self._given, true_end(scene, ends), self._force_peak)
 
     def _observe(self, answer: object | None) -> FillObservation:
         seen = self._look()
         force, _ = self.simulator.external_wrench()
         return FillObservation(seen.joints, seen.scene, force, seen.is_held, answer)
-
-    def _send(self, setpoints: Setpoints) -> None:
-        """Hand setpoints to the driver; refused ones leave the arm braking, as in the running cell."""
-        with suppress(MessageError):
-            self.simulator.accept(setpoints)
 
     def _look(self) -> PackingObservation:
         """What is known now; the forces count for the peak of the whole job."""
@@ -192,7 +176,7 @@ class FillLockstep:
         return reason
 
     def _pack(self, request: Pack, on_step: Callable[[FillLockstep], None] | None) -> Packed:
-        """Run a packing goal to its outcome, as `Lockstep.run` does."""
+        """Run a packing goal to its outcome."""
         scene, config = self.simulator.description.gripped(request.grip), self._config
         seed = self._seed + 1000 * len(self.job.report.objects)
         placements = LockstepPlacements(
@@ -201,17 +185,10 @@ class FillLockstep:
         session = PackingSession(
             scene, self._physical, config.session.of_goals(), PackingMethod.PACK_IT_IN, self.simulator.time
         )
-        while session.task.outcome is None:
-            seen = self._look()
-            if session.follow(self.cell.known_scene):
-                placements.follow(session.scene)
-            placements.serve(session, seen)
-            plan = session.step(seen, config.latency)
-            self.cell.advance(config.latency)
-            if plan is not None:
-                self._send(plan.setpoints)
+        for _ in cycles(self.cell, session, placements, config.latency, self._look):
             if on_step is not None:
                 on_step(self)
-        self._send(hold(self.simulator.joints()))
+        self.cell.send(hold(self.simulator.joints()))
+        assert session.task.outcome is not None
         tried = session.task.tried
         return Packed(session.task.outcome, tried[-1] if tried else None)

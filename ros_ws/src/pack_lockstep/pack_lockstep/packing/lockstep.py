@@ -6,13 +6,15 @@ takes on the wall clock, so a run repeats bit for bit on any machine.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pack_core.joints import JointSample
+from pack_core.errors import MessageError
+from pack_core.joints import JointSample, Setpoints
 from pack_core.packing.cell import PackingCell, Perception
 from pack_core.packing.goals import PackingMethod
 from pack_core.packing.markers import MarkerFrame
@@ -108,6 +110,11 @@ class LockstepCell:
             self.known_scene, estimate.poses(), self.simulator.scene, truth.poses(), deviations
         )
 
+    def send(self, setpoints: Setpoints) -> None:
+        """Hand setpoints to the driver; refused ones leave the arm braking, as in the running cell."""
+        with suppress(MessageError):
+            self.simulator.accept(setpoints)
+
     def observe(self) -> PackingObservation:
         """What is known now, with the forces since the last call."""
         simulator = self.simulator
@@ -169,6 +176,56 @@ class LockstepPlacements:
         return planned
 
 
+@dataclass(frozen=True)
+class Cycle:
+    """One cycle of a goal.
+
+    Attributes:
+        seen: what was known.
+        placement: that was planned in it, if one was.
+        plan: what the driver gets; None where the arm holds, or the goal has ended.
+        is_held: whether nothing was planned, so that the driver brakes.
+    """
+
+    seen: PackingObservation
+    placement: PlannedPlacement | None = None
+    plan: ControlPlan | None = None
+    is_held: bool = False
+
+
+def cycles(
+    cell: LockstepCell, session: PackingSession, placements: LockstepPlacements, latency: float,
+    observe: Callable[[], PackingObservation],
+) -> Iterator[Cycle]:  # fmt: skip
+    """Pursue a goal to its outcome as the node does, cycle by cycle, each `latency` long [s].
+
+    While the cameras see nothing, or not what the goal needs, nothing is planned: the arm holds, and the goal
+    may run out of time. What the driver refuses leaves the arm braking.
+    """
+    while session.task.outcome is None:
+        seen = observe()
+        cycle = Cycle(seen, is_held=True)
+        if blind_for(seen.scene, seen.joints.time) <= session.blind_time:
+            with suppress(MessageError):
+                cycle = _planned(cell, session, placements, latency, seen)
+        if cycle.is_held:
+            session.task.expire(seen.joints.time)
+        yield cycle
+        cell.advance(latency)
+        if cycle.plan is not None:
+            cell.send(cycle.plan.setpoints)
+
+
+def _planned(
+    cell: LockstepCell, session: PackingSession, placements: LockstepPlacements, latency: float,
+    seen: PackingObservation,
+) -> Cycle:  # fmt: skip
+    if session.follow(cell.known_scene):
+        placements.follow(session.scene)
+    placement = placements.serve(session, seen)
+    return Cycle(seen, placement, session.step(seen, latency))
+
+
 HELD = "HELD"
 """What a cycle is called in which the arm holds."""
 
@@ -215,36 +272,20 @@ class Lockstep:
 
     def run(self, on_step: Callable[[Step], None] | None = None) -> PackingOutcome:
         """Run to the outcome; `on_step` is called in every cycle."""
-        session = self.session
-        while session.task.outcome is None:
-            seen = self._cell.observe()
-            if blind_for(seen.scene, seen.joints.time) > session.blind_time:
-                self._wait(seen, on_step)
-                continue
-            if session.follow(self._cell.known_scene):
-                self._placements.follow(session.scene)
-            if (placement := self._placements.serve(session, seen)) is not None:
-                self._log.place(placement)
-            plan = session.step(seen, self._config.latency)
+        session, cell = self.session, self._cell
+        for cycle in cycles(cell, session, self._placements, self._config.latency, cell.observe):
+            time, plan = cycle.seen.joints.time, cycle.plan
+            if cycle.placement is not None:
+                self._log.place(cycle.placement)
             if plan is not None:
-                self._log.iterate(session.task, seen.joints.time, plan)
+                self._log.iterate(session.task, time, plan)
             if on_step is not None:
                 stage = session.task.machine.stage.name if session.task.machine else "IDLE"
-                on_step(
-                    Step(seen.joints.time, stage, session.task.distance, seen, self.simulator.truth(), plan)
-                )
-            self._cell.advance(self._config.latency)
-            if plan is not None:
-                self.simulator.accept(plan.setpoints)
+                stage = HELD if cycle.is_held else stage
+                truth = self.simulator.truth()
+                on_step(Step(time, stage, session.task.distance, cycle.seen, truth, plan))
+        assert session.task.outcome is not None
         return session.task.outcome
-
-    def _wait(self, seen: PackingObservation, on_step: Callable[[Step], None] | None) -> None:
-        """Plan nothing for a cycle, as the node does while the cameras see nothing: the driver brakes."""
-        self.session.task.expire(seen.joints.time)
-        if on_step is not None:
-            distance = self.session.task.distance
-            on_step(Step(seen.joints.time, HELD, distance, seen, self.simulator.truth(), None))
-        self._cell.advance(self._config.latency)
 
     def recorded(self) -> Run:
         """The run in the form in which recordings are evaluated.

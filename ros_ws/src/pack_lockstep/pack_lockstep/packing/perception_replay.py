@@ -34,6 +34,7 @@ from pack_core.ros.messages.packing import from_markers
 from pack_core.states import SceneState
 from pack_evaluation.bag import Bag, result_in
 from pack_evaluation.goals import without_earlier_gaps
+from pack_evaluation.packing.fill.recording import end_of
 from pack_evaluation.packing.from_bag import to_run
 from pack_evaluation.packing.run import Run
 from pack_evaluation.track import Track, to_tracks
@@ -101,7 +102,7 @@ def _job_window(bag: Bag) -> tuple[float, float] | None:
     if not (results := bag.of(FILL_RESULT)):
         return None
     report = result_in(results[-1].data, bag.path)
-    return float(report["start"]), float(report["fills"][-1][0])
+    return float(report["start"]), end_of(report)
 
 
 def estimate_again(bag: Bag, preset: PackingPreset) -> dict[str, Track]:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
+
+from pydantic import model_validator
 
 from pack_core.config import Config
 from pack_core.errors import ConfigError
@@ -35,6 +37,13 @@ class BenchmarkSettings(Config):
     """Whether generated scenes have no place at which the new object would stand without contact."""
     scene_dir: Path | None = None
     """Folder of scene files that are run instead of generated scenes."""
+
+    @model_validator(mode="after")
+    def _is_for_generated_scenes(self) -> Self:
+        if self.scene_dir is not None and (self.container is not None or not self.blocked):
+            given = "container" if self.container is not None else "no_blocked"
+            raise ValueError(f"{given} beside scene_dir; allowed: one of them, scenes have containers")
+        return self
 
 
 @dataclass(frozen=True)

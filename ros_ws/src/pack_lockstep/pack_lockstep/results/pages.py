@@ -65,10 +65,11 @@ def table(template: str, results: Mapping[str, PublishedResult], version: str) -
     """
     try:
         filled = Formatter().vformat(template, (), _Cells(results))
+        used = dict.fromkeys(_names(template))
+        line = measured({name: results.get(name) for name in used}, version)
     except (KeyError, AttributeError, ValueError, TypeError) as error:
         raise ConfigError(f"a table of results cannot be written: {error} in\n{template}") from error
-    used = dict.fromkeys(_names(template))
-    return f"{filled}\n\n{measured({name: results.get(name) for name in used}, version)}\n"
+    return f"{filled}\n\n{line}\n"
 
 
 def measured(results: Mapping[str, PublishedResult | None], version: str) -> str:

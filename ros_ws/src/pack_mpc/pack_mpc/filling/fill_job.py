@@ -101,7 +101,6 @@ class FillJob:
         scene: the cell as described at the start.
 
     Attributes:
-        scene: the cell as described last.
         stage: what is done now.
         current: name of the object that is handled; empty between two objects.
         report: what became of the objects so far.
@@ -110,7 +109,7 @@ class FillJob:
     """
 
     def __init__(self, given: PackingList, cell: PackingCell, config: FillConfig, scene: Scene) -> None:
-        self._cell, self._config, self.scene = cell, config, scene
+        self._cell, self._config = cell, config
         self._remaining: list[ObjectModel] = list(given.objects)
         tallest = max(2.0 * float(item.half_extents[2]) for item in given.objects)
         self._port = FillPort()
@@ -120,6 +119,15 @@ class FillJob:
         self.stage, self.current = FillStage.ARRANGE, ""
         self.report, self.fault = FillReport(), ""
         self.is_done = False
+
+    @property
+    def scene(self) -> Scene:
+        """The cell as described last."""
+        return self._moves.scene
+
+    def follow(self, scene: Scene) -> None:
+        """Go on with what is described now."""
+        self._moves.scene = scene
 
     @property
     def remaining(self) -> list[str]:
@@ -168,7 +176,7 @@ class FillJob:
         if presented.scene is None:
             self._leave(item.name, presented.reason, start)
             return
-        self.scene = self._moves.scene = presented.scene
+        self.follow(presented.scene)
         handling = ObjectHandling(self._moves, self._cell, self._config)
         if X_WN is None:
             reason = yield from self._port.ask(Judge(), str)
@@ -204,7 +212,9 @@ class FillJob:
             if not reason:
                 self.stage = FillStage.RELEASE
                 reason = yield from handling.release()
-                self._note(item.name, start, reason, outcome)
+                if self._port.seen.is_gripped:
+                    self.fault = f"'{item.name}' is still held: {reason}"
+                self._note(item.name, start, reason, outcome, has_fault=bool(self.fault))
                 return
             if tries_left:
                 yield from handling.take_out()

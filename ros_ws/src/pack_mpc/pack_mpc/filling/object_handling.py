@@ -6,6 +6,7 @@ import numpy as np
 
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.free_space import base_height, is_packed
+from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose, conjugate, from_yaw, multiply, rotate, yaw_of
 from pack_core.tasks.steps import Steps
 from pack_mpc.filling.cup_moves import CupMoves
@@ -25,7 +26,12 @@ class ObjectHandling:
 
     def __init__(self, moves: CupMoves, cell: PackingCell, config: FillConfig) -> None:
         self._moves, self._cell, self._config = moves, cell, config
-        self._port, self._scene = moves.port, moves.scene
+        self._port = moves.port
+
+    @property
+    def _scene(self) -> Scene:
+        """The cell as described last."""
+        return self._moves.scene
 
     def pick(self) -> Steps[str]:
         """Grip the object that was handed over, and lift it a little; returns why it failed, if it did."""
@@ -99,10 +105,14 @@ class ObjectHandling:
         return ""
 
     def release(self) -> Steps[str]:
-        """Open the pump, draw back without dragging, and see where the object rests."""
+        """Open the pump, draw back without dragging, and see where the object rests.
+
+        Returns:
+            What was not as it should be, in words; while the pump holds the object, why it does.
+        """
         item, config = self._scene.new_object, self._config
-        yield from self._port.ask(UsePump(close=False), str)
-        yield from self._port.wait(lambda: not self._is_gripped, config.sight_time)
+        if refusal := (yield from self._let_go()):
+            return refusal
         drags = self._moves.contact(config.retreat_force)
         dragged = False
 
@@ -164,10 +174,18 @@ class ObjectHandling:
         )
         if reason := self._missed():
             return reason
-        yield from self._port.ask(UsePump(close=False), str)
-        yield from self._port.wait(lambda: not self._is_gripped, config.sight_time)
+        if refusal := (yield from self._let_go()):
+            return refusal
         yield from self._moves.rise(config.clearance)
         return ""
+
+    def _let_go(self) -> Steps[str]:
+        """Open the pump; returns why it still holds the object, if it does."""
+        refusal = yield from self._port.ask(UsePump(close=False), str)
+        if not refusal:
+            found = yield from self._port.wait(lambda: not self._is_gripped, self._config.sight_time)
+            refusal = "" if found else "the vacuum stayed"
+        return f"the pump does not let go: {refusal}" if refusal else ""
 
     def _missed(self) -> str:
         """How far the held object is from where it may be put aside; empty if it is there."""

@@ -47,7 +47,8 @@ class Optimizer(ABC):
         threads: threads of the rollouts.
 
     Attributes:
-        parameters: class of its parameters, which the node `mpc` has as `controller.<name>`.
+        parameters: class of its parameters, which the node `mpc` has as `controller.<name>`. It has a field
+            `reduction` (a `StateReductionConfig`): which objects are in the state.
         plant: the model that it plans with.
         is_sparing: whether an iteration shall do with fewer rollouts, as the machine is busy.
     """

@@ -32,9 +32,9 @@ class Basis:
     times: Array
     knots: Array
 
-    def matrix(self, shift: float = 0.0) -> Array:
-        """Weights `(T, K)` of the knots at each step, `shift` [s] later; the last knot holds on."""
-        return _hat(self.times + shift, self.knots)
+    def matrix(self) -> Array:
+        """Weights `(T, K)` of the knots at each step; the last knot holds on."""
+        return _hat(self.times, self.knots)
 
     def shifted(self, theta: Array, shift: float) -> Array:
         """Knot values `(K, 6)` of the same spline seen `shift` [s] later."""

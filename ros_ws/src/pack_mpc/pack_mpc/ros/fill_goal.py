@@ -157,7 +157,7 @@ class FillGoal:
         """Run a packing goal, of which every turn is made, to its outcome."""
         if self._cell.perception is Perception.DEPTH:
             yield from self._requests.look()
-        self.job.scene = self._scene()
+        self.job.follow(self._scene())
         scene = self.job.scene.gripped(request.grip)
         self._placements.start(self._requests.next_seed(), self._method.placement_variant, request.X_WN)
         config = self._config.of_goals()

@@ -98,6 +98,10 @@ class LookMachine:
         self.unseen: tuple[str, ...] = ()
         self.is_exhausted = False
 
+    def change_scene(self, scene: Scene) -> None:
+        """Go on with other objects in the container; it is looked from the same poses."""
+        self._scene = scene
+
     @property
     def target(self) -> PackingTarget:
         """Where the held object shall go."""

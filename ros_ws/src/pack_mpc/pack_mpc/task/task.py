@@ -106,8 +106,10 @@ class PackingTask:
         self.distance = 0.0
 
     def change_scene(self, scene: Scene) -> None:
-        """Go on with other objects in the container; what is held is the same."""
+        """Go on with other objects in the container, or where that is now; what is held is the same."""
         self._scene = scene
+        if self._look is not None:
+            self._look.change_scene(scene)
         if self._stages is not None:
             self._stages.change_scene(scene)
 

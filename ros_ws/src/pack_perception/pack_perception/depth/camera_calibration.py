@@ -32,6 +32,7 @@ class CameraCalibrationConfig(Config):
 
     reaches: tuple[PositiveFloat, ...] = Field(
         default=(0.04, 0.04, 0.03, 0.03, 0.02, 0.015, 0.01, 0.008, 0.006, 0.006, 0.006, 0.006),
+        min_length=1,
         description="farthest that a point is from the pump, by step of a fit [m]",
     )
     scale: PositiveFloat = Field(default=0.0015, description="deviation from which a point counts less [m]")

@@ -41,7 +41,7 @@ ALL_AROUND = 12
 """Directions of `SECTORS` that are seen of a body between two cameras: of a round one neither sees its sides
 where it looks along them. One camera alone sees half of them."""
 LOWEST = 3
-"""Of the points in a sector so many fly; the next one is the lowest."""
+"""Of the points in a sector the lowest but two counts as the end: one or two may fly."""
 TOP = 0.01
 """What is nearer to the cup's height is the top [m]."""
 INSIDE = 0.004

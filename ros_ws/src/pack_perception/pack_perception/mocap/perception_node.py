@@ -169,8 +169,9 @@ class PerceptionNode(CellNode):
         self.health.values["carried by physics"] = ", ".join(hidden) or "none"
         self.health.values["not seen yet"] = ", ".join(unknown) or "none"
         self.health.values["frames too late"] = str(self._unused_frames)
-        self.health.faults.pop("grip", None)
-        if not estimator.is_held and not self._is_handed_over:
+        if estimator.is_held or self._is_handed_over:
+            self.health.faults.pop("grip", None)
+        else:
             name = estimator.scene.new_object.name
             self.health.faults["grip"] = f"'{name}' no longer hangs on the cup as it was gripped"
 

@@ -94,9 +94,7 @@ class DepthSource:
         assert isinstance(estimator, DepthEstimator)
         correction = estimator.see(frame)
         self._describe(estimator)
-        self._node.health.faults.pop("registration", None)
-        if moved := self._moved(estimator):
-            self._node.health.faults["registration"] = moved
+        self._tell("registration", self._moved(estimator))
         return correction
 
     def unknown(self, estimator: HandOverEstimator | None) -> str:
@@ -151,15 +149,17 @@ class DepthSource:
     def _note(self) -> None:
         """Report cameras that are not waited for, and those that see next to nothing."""
         for camera, share in self._measured.items():
-            name = self._names[camera]
-            self._node.health.faults.pop(name, None)
-            if share < COVERED:
-                seen = f"{name} measures {100 * share:.0f} % of its pixels"
-                self._node.health.faults[name] = f"{seen}: is its lens covered?"
+            seen = f"{self._names[camera]} measures {100 * share:.0f} % of its pixels: is its lens covered?"
+            self._tell(self._names[camera], seen if share < COVERED else "")
         silent = ", ".join(self._names[i] for i in self._pairing.silent)
-        self._node.health.faults.pop("cameras", None)
-        if silent:
-            self._node.health.faults["cameras"] = f"{silent} brings no images; the others go on without it"
+        self._tell("cameras", silent and f"{silent} brings no images; the others go on without it")
+
+    def _tell(self, name: str, fault: str) -> None:
+        """Report a fault, or, where there is none, that it is over; one that lasts is there all the time."""
+        if fault:
+            self._node.health.faults[name] = fault
+        else:
+            self._node.health.faults.pop(name, None)
 
 
 def _are_alike(one: PinholeCamera, other: PinholeCamera) -> bool:

@@ -104,7 +104,9 @@ class ArrangementPlanner:
 
     def could_fit(self, container: Container, items: Sequence[ObjectModel], rng: np.random.Generator) -> bool:
         """Whether some arrangement without any gaps has all objects, were they free to move aside."""
-        search = ArrangementSearch(items, (), self._config.object_worth, self._config.shuffle)
+        # all have to fit, so that an object counts more than any area
+        bonus = float(np.prod(container.size))
+        search = ArrangementSearch(items, (), bonus, self._config.shuffle)
         found = search.best(NoFitPolygons(container, 0.0, 0.0), self._config.tries, rng)
         return len(found.placed) == len(items)
 

@@ -44,7 +44,9 @@ class ApproachConfig(Config):
     likely: PositiveInt = Field(
         3, description="placements rehearsed in the first round, leaning over their obstacles"
     )
-    rounds: NonNegativeInt = Field(8, description="most rounds of rehearsals; 0: no rehearsals")
+    rounds: NonNegativeInt = Field(
+        8, description="most rounds of rehearsals after the first; 0: nothing is rehearsed"
+    )
     candidates: PositiveInt = Field(40, description="placements that are considered, the cheapest first")
     drawn: PositiveInt = Field(400, description="random entries drawn in a round while every entry fails")
     random: PositiveInt = Field(

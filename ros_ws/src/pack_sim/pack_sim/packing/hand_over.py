@@ -8,7 +8,7 @@ from pydantic import Field, NonNegativeFloat
 
 from pack_core.config import Config
 from pack_core.packing.objects import ObjectModel
-from pack_core.packing.scene import Scene
+from pack_core.packing.scene import Scene, name_fault
 from pack_core.packing.scene_item import SceneItem
 from pack_core.rotations import Pose, angle_between, exp, from_yaw, multiply
 
@@ -51,7 +51,7 @@ def present_fault(item: ObjectModel, scene: Scene, *, is_held: bool, keep: bool)
         return f"the pump holds '{scene.new_object.name}'; pack or release it first"
     if item.name in scene.names or (keep and item.name == scene.new_object.name):
         return f"'{item.name}' is in the container already; allowed: another name"
-    return ""
+    return name_fault([item.name])
 
 
 def seal_fault(X_TN: Pose, item: SceneItem, cup_radius: float) -> str:
@@ -75,7 +75,10 @@ def seal_fault(X_TN: Pose, item: SceneItem, cup_radius: float) -> str:
 
 def hang_fault(X_TN: Pose, nominal: Pose) -> str:
     """Why an object N at X_TN cannot hang from a cup T as described, at `nominal`; empty if it can."""
-    distance = float(np.linalg.norm(X_TN.p - nominal.p))
-    if distance > HANG_DISTANCE or angle_between(X_TN.q, nominal.q) > HANG_ANGLE:
-        return f"the object is {1000 * distance:.0f} mm off the cup; allowed: 5 mm and 2 degrees"
+    distance, angle = float(np.linalg.norm(X_TN.p - nominal.p)), float(angle_between(X_TN.q, nominal.q))
+    if distance > HANG_DISTANCE or angle > HANG_ANGLE:
+        return (
+            f"the object is {1e3 * distance:.0f} mm and {np.rad2deg(angle):.0f} degrees off the cup; "
+            f"allowed: {1e3 * HANG_DISTANCE:.0f} mm and {np.rad2deg(HANG_ANGLE):.0f} degrees"
+        )
     return ""

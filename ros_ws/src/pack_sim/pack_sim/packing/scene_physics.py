@@ -71,6 +71,7 @@ class ScenePhysics:
         options: what the scene does not say.
         held: whether the new object is on the cup or free.
         time: simulated time at the start [s].
+        lip_touches: whether the cup's lip touches objects, as where one is to be gripped.
         poses: where objects are, over those of the scene.
 
     Attributes:
@@ -155,7 +156,7 @@ class ScenePhysics:
     def rebuild(
         self, scene: Scene, held: HeldRole, joints: JointSample, truth: SceneState, *, lip_touches: bool
     ) -> None:
-        """Compile the model anew, and go on from these joints and objects."""
+        """Compile the model anew, and go on from these joints and objects; arguments as of the class."""
         self._compile(scene, held, joints.time, lip_touches=lip_touches)
         self.data.qpos[self._q], self.data.qvel[self._v] = joints.q, joints.v
         for name in self._names if held is HeldRole.FREE else scene.names:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,14 +12,16 @@ from pydantic import Field
 from std_msgs.msg import String
 
 from pack_core.errors import PackError
-from pack_core.packing.cell import Perception
+from pack_core.packing.cell import PackingCell, Perception
 from pack_core.packing.model import describe_robot, fixed_frames
 from pack_core.packing.objects import parse_object
+from pack_core.packing.packing_list import parse_list
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_file import load_scene, parse_scene
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.packing import read_packing_cell
 from pack_core.ros.run import run_node
+from pack_core.text.yaml_text import parse_yaml
 from pack_sim.packing.ros.depth_publisher import DepthPublisher
 from pack_sim.packing.ros.sensor_publisher import SensorPublisher
 from pack_sim.packing.scene_generator import generate_scene
@@ -94,11 +97,7 @@ class PackingSimNode(PhysicsNode):
 
     def _reset(self, request: ResetScene.Request, response: ResetScene.Response) -> ResetScene.Response:
         try:
-            scene = (
-                parse_scene(request.scene, "request", self._cell)
-                if request.scene
-                else generate_scene(request.seed, self._cell)
-            )
+            scene = wanted_scene(request, self._cell)
             with self.lock:
                 self._simulator = self._build(scene, request.seed, self._simulator.time)
                 self.release()
@@ -131,6 +130,20 @@ class PackingSimNode(PhysicsNode):
                 self._simulator.release()
         response.success = not response.message
         return response
+
+
+def wanted_scene(request: ResetScene.Request, cell: PackingCell) -> Scene:
+    """The scene that a request describes; for a packing list an empty container, and its first object.
+
+    Raises:
+        PackError: the text is neither, or the cell cannot pack what it has.
+    """
+    if not request.scene:
+        return generate_scene(request.seed, cell)
+    found = parse_yaml(request.scene, "request")
+    if isinstance(found, Mapping) and "new_object" not in found:
+        return parse_list(request.scene, "request without 'new_object', a packing list", cell).start(cell)
+    return parse_scene(request.scene, "request", cell)
 
 
 def main() -> int:

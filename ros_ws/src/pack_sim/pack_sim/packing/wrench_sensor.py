@@ -35,31 +35,31 @@ class WrenchSensor:
 
     def __init__(self, config: WrenchSensorConfig, timestep: float, rng: np.random.Generator) -> None:
         self._timestep, self._rng = timestep, rng
+        # of the bias and of its value at the last zero, in standard deviations `(6,)`
+        self._state, self._zero = rng.normal(size=6), np.zeros(6)
         self.configure(config)
 
     def configure(self, config: WrenchSensorConfig) -> None:
-        """Have other errors from now on; the bias is drawn anew."""
+        """Have other errors from now on; the bias changes in proportion, so that a zero stays one."""
         self._noise = np.repeat([config.force_noise, config.torque_noise], 3)
         self._spread = np.repeat([config.force_bias, config.torque_bias], 3)
         self._is_exact = not (self._noise.any() or self._spread.any())
         self._memory = float(np.exp(-self._timestep / config.bias_time))
-        self._bias = self._spread * self._rng.normal(size=6)
-        self._zero = np.zeros(6)
-        self._error = self._bias.copy()
+        self._error = self._spread * (self._state - self._zero)
 
     def zero(self) -> None:
         """Set the sensor to zero while nothing is on it, by a mean that has no noise to speak of."""
-        self._zero = self._bias.copy()
+        self._zero = self._state.copy()
         self._error = np.zeros(6)
 
     def advance(self) -> None:
         """Draw the errors of the next time step."""
         if self._is_exact:
             return
-        # exact discretisation of the Ornstein-Uhlenbeck process: the variance stays `spread` squared
+        # exact discretisation of the Ornstein-Uhlenbeck process: the variance stays 1
         kick, noise = self._rng.normal(size=(2, 6))
-        self._bias = self._memory * self._bias + np.sqrt(1.0 - self._memory**2) * self._spread * kick
-        self._error = self._bias - self._zero + self._noise * noise
+        self._state = self._memory * self._state + np.sqrt(1.0 - self._memory**2) * kick
+        self._error = self._spread * (self._state - self._zero) + self._noise * noise
 
     def read(self, force: Array, torque: Array) -> tuple[Array, Array]:
         """A force `(3,)` [N] and a torque `(3,)` [N m] with the errors of this time step."""

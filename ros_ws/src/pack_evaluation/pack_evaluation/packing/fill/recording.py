@@ -11,15 +11,15 @@ import numpy as np
 
 from pack_core import stamps
 from pack_core.errors import BagError
-from pack_core.packing.free_space import Fill, fill_of, is_packed
 from pack_core.packing.model import parked_pose
 from pack_core.packing.objects import ObjectModel
 from pack_core.packing.scene import Scene
 from pack_core.packing.topics import DESCRIPTION, FILL_PROGRESS, FILL_RESULT, JOINT_STATES, TRUTH, WRENCH
 from pack_core.robots.packing_arms import arm_of
-from pack_core.rotations import Array
+from pack_core.rotations import Array, Pose
 from pack_evaluation.bag import Bag, fitting, read_bag, result_in, times_of
 from pack_evaluation.goals import RecordedRun
+from pack_evaluation.packing.fill.true_end import TrueEnd, true_end
 from pack_evaluation.packing.force import low_pass
 from pack_evaluation.packing.from_bag import magnitudes
 from pack_evaluation.packing.run import Iterations, Run
@@ -31,8 +31,6 @@ REPORTS = (FILL_PROGRESS, FILL_RESULT)
 """What the node reports of a job: its result, or, of a job that was cut off, its last progress."""
 INSTANT = 1e-3
 """Time in which an object comes from where it is parked to where it is handed over, in pictures [s]."""
-NEAR_HAND_OVER = 0.1
-"""An object that ends this near to where it was handed over was put aside there, or never left it [m]."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +69,11 @@ class FillRun(RecordedRun):
         return [float(row["duration"]) for row in rows if row["name"] in self.truth.inside]
 
 
+def end_of(report: Mapping[str, Any]) -> float:
+    """When a job last did something, by its result [s]; its start, if it ended before it did anything."""
+    return float(report["fills"][-1][0]) if report["fills"] else float(report["start"])
+
+
 def has_fill_job(path: Path) -> bool:
     """Whether a recording holds a fill job, to its end or cut off."""
     is_bag = path.is_dir() or path.suffix == ".mcap"
@@ -100,7 +103,7 @@ def load_fill_run(path: Path) -> FillRun:
         times, force_times, force = times_of(joints), times_of(wrenches), magnitudes(wrenches)
         seen = recorded_tracks(job.of(TRUTH))
         paths = {name: seen.get(name, track_of(())) for name in (*scene.names, scene.new_object.name)}
-        end = float(report["fills"][-1][0]) if is_ended else float(times[-1])
+        end = end_of(report) if is_ended else float(times[-1])
         if not is_ended:
             report = {"exit_reason": "", "message": "the recording ends before the job", **report}
         run = Run(
@@ -111,7 +114,7 @@ def load_fill_run(path: Path) -> FillRun:
         during = (force_times >= start) & (force_times <= end)
         peak = report.get("force_peak", np.max(low_pass(force_times, force)[during], initial=0.0))
         return FillRun(
-            run, report, given, true_end(scene, paths, end), float(peak), is_cut=bag.is_cut,
+            run, report, given, true_end(scene, _ends(paths, end)), float(peak), is_cut=bag.is_cut,
             damaged=bag.damaged, notes=bag.notes,
         )  # fmt: skip
 
@@ -164,36 +167,7 @@ def _over_all_times(path: Track, parked: Array, times: Array) -> Track:
     )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class TrueEnd:
-    """How a job truly ended.
-
-    Attributes:
-        inside: names of the objects that are in the container.
-        outside: names of objects that are neither there nor where they were handed over.
-        fill: how full the container is.
-    """
-
-    inside: tuple[str, ...]
-    outside: tuple[str, ...]
-    fill: Fill
-
-
-def true_end(scene: Scene, paths: Mapping[str, Track], end: float) -> TrueEnd:
-    """Judge the last pose of every object.
-
-    Args:
-        scene: the container, and all objects.
-        paths: from an object's hand-over until it is taken out of the cell, or the recording ends.
-        end: time of the job's end [s].
-    """
+def _ends(paths: Mapping[str, Track], end: float) -> dict[str, tuple[Pose, Pose]]:
+    """First and last pose of every object that was in the cell until `end` [s], by name."""
     until = {name: path.between(-np.inf, end) for name, path in paths.items()}
-    poses = {name: (path.pose(0), path.pose(-1)) for name, path in until.items() if path.times.size}
-    inside = tuple(name for name, (_, last) in poses.items() if is_packed(scene, last))
-    outside = tuple(
-        name
-        for name, (first, last) in poses.items()
-        if name not in inside and np.linalg.norm(last.p[:2] - first.p[:2]) > NEAR_HAND_OVER
-    )
-    fill = fill_of(scene.container, [(scene.model_of(name), poses[name][1]) for name in inside])
-    return TrueEnd(inside, outside, fill)
+    return {name: (path.pose(0), path.pose(-1)) for name, path in until.items() if path.times.size}

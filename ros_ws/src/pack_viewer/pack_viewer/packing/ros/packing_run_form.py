@@ -8,10 +8,10 @@ from typing import Any
 from pack_interfaces.action import FillContainer, PackObject
 from pack_interfaces.srv import ResetScene
 
-from pack_core.packing.cell import packing_cell
 from pack_core.packing.goals import PackingMethod
 from pack_core.packing.packing_list import parse_list, supermarket_list
-from pack_core.packing.scene_file import parse_scene, scene_text
+from pack_core.packing.scene import Scene
+from pack_core.packing.scene_file import scene_text
 from pack_core.paths import config_path
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts.contract import Contract
@@ -25,11 +25,10 @@ def _files(none: str, *folder: str) -> dict[str, Path | None]:
     return {none: None, **{file.stem: file for file in sorted(config_path(*folder).glob("*.yaml"))}}
 
 
-SCENES = FileKind("scene", _files("generated from the seed", "scenarios", "packing"), parse_scene, scene_text)
-LISTS = FileKind(
-    "list", _files("8 objects drawn by the seed", "packing_lists"),
-    lambda text, name: parse_list(text, name, packing_cell()),
-)  # fmt: skip
+SCENES = FileKind(
+    "scene", _files("generated from the seed", "scenarios", "packing"), Scene.from_yaml, scene_text
+)
+LISTS = FileKind("list", _files("8 objects drawn by the seed", "packing_lists"), parse_list)
 
 
 class PackingRunForm(RunForm):
@@ -47,10 +46,7 @@ class PackingRunForm(RunForm):
 
     def reset(self) -> tuple[Contract, Any]:
         """The scene, or the seed that one is generated from; for a list an empty container and pump."""
-        scene = self.file.text
-        if self._is_fill:
-            cell = packing_cell()
-            scene = parse_list(self._list_text(), self.file.name, cell).start(cell).to_yaml()
+        scene = self._list_text() if self._is_fill else self.file.text
         return contracts.RESET, ResetScene.Request(scene=scene, seed=int(self._seed.value))
 
     def goal(self) -> tuple[Contract, Any]:
@@ -65,7 +61,7 @@ class PackingRunForm(RunForm):
         return bool(self.task.value == FILL)
 
     def _list_text(self) -> str:
-        return self.file.text or supermarket_list(int(self._seed.value), packing_cell()).to_yaml()
+        return self.file.text or supermarket_list(int(self._seed.value)).to_yaml()
 
     def _offer_choices(self) -> None:
         """Show what belongs to the task."""
