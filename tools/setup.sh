@@ -33,7 +33,7 @@ install_requirements() {
     place="$venv $("$python" -c 'import sys; print(sys.base_prefix, *sys.version_info[:2])')"
     requirements=$(hash_of requirements/locked.txt)
     if ! is_stamped "$venv/.place" "$place"; then
-        echo "Setting up for the first time takes about two minutes"
+        echo "Setting up for the first time takes 2 to 5 minutes"
         echo "Creating .venv with $("$python" --version)"
         rm -rf "$venv" ros_ws/build ros_ws/install ros_ws/log
         "$python" -m venv "$venv"

@@ -14,6 +14,8 @@ from pack_core.errors import PackError
 
 NICENESS = 10
 """Unix niceness of a thread that draws, so that the physics gets the processor first."""
+PATIENCE = 10.0
+"""Longest wait for a picture [s of wall clock]."""
 Snapshot = TypeVar("Snapshot", contravariant=True)
 Picture = TypeVar("Picture", covariant=True)
 
@@ -70,8 +72,13 @@ class CameraThread(Generic[Snapshot, Picture]):
             if self._is_busy or self._is_ended:
                 return False
             self._exposed, self._is_busy = (time, snapshot), True
-            self._wake.notify()
+            self._wake.notify_all()
         return True
+
+    def wait(self) -> None:
+        """Wait until the last picture has been handed out, but no longer than `PATIENCE`."""
+        with self._wake:
+            self._wake.wait_for(lambda: not self._is_busy or self._is_ended, PATIENCE)
 
     def close(self) -> None:
         """Take no more pictures, wait for both threads to end, and give their memory back."""
@@ -85,7 +92,7 @@ class CameraThread(Generic[Snapshot, Picture]):
     def _end(self) -> None:
         with self._wake:
             self._is_ended = True
-            self._wake.notify()
+            self._wake.notify_all()
 
     def _draw(self) -> None:
         try:
@@ -114,6 +121,7 @@ class CameraThread(Generic[Snapshot, Picture]):
             del drawn  # a picture has 25 MB; it would be kept until the next one
             with self._wake:
                 self._is_busy = False
+                self._wake.notify_all()
 
     def _next(self) -> tuple[float, Snapshot] | None:
         """Wait for the next snapshot to draw; None at the end."""

@@ -23,6 +23,11 @@ class Pacer:
         self._mark = (time.perf_counter(), 0.0)
         self._simulated = 0.0
 
+    @property
+    def is_free(self) -> bool:
+        """Whether simulated time runs as fast as it can."""
+        return self._factor <= 0.0
+
     def change_factor(self, factor: float) -> None:
         """Run at another pace from now on; any thread may call it."""
         self._factor = factor

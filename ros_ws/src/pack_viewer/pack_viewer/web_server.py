@@ -11,7 +11,6 @@ from __future__ import annotations
 import hmac
 import http
 import logging
-import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass
@@ -23,10 +22,9 @@ import viser
 import websockets.asyncio.server
 from websockets.http11 import Request, Response
 
-from pack_core.addresses import LOOPBACK
+from pack_core.addresses import LOCAL_NAMES, LOOPBACK, check_token
 from pack_core.errors import ConfigError
 
-LOCAL_NAMES = (LOOPBACK, "localhost")
 LARGEST_MESSAGE = 8 * 1024 * 1024
 """Largest message that a browser may send [bytes]: a picture of the scene, or a piece of an uploaded file."""
 COOKIE = "packcell_token"
@@ -78,7 +76,7 @@ def open_server(port: int, label: str, *, host: str = LOOPBACK, token: str = "")
     Raises:
         ConfigError: the port is taken, or others could reach the page without a token.
     """
-    _check(host, token)
+    check_token(host, token)
     # It logs a traceback for everybody who connects and asks for nothing, as who looks for open ports does.
     logging.getLogger("websockets.server").setLevel(logging.CRITICAL)
     with _guarded(ConnectionGuard(port, token)) as is_guarded, redirect_stdout(StringIO()):
@@ -103,17 +101,6 @@ class PrivateServer(viser.ViserServer):
         """Close the server, without viser's line on the terminal."""
         with redirect_stdout(StringIO()):
             super().stop()
-
-
-def _check(host: str, token: str) -> None:
-    if host not in LOCAL_NAMES and not token:
-        raise ConfigError(
-            f"host '{host}' shows the page, with its buttons, to everybody who can reach this machine; "
-            "give a token, too, or leave the host out"
-        )
-    # The token stands in addresses and in a cookie.
-    if token and not re.fullmatch(r"[A-Za-z0-9_.~-]{16,}", token):
-        raise ConfigError("the token is not one; allowed: 16 or more letters, digits and -_.~")
 
 
 @contextmanager

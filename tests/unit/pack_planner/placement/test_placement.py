@@ -171,9 +171,7 @@ def test_a_new_object_too_large_for_the_container_is_refused(example: Scene) -> 
 
 
 def test_unknown_variants_are_refused_with_the_known_ones(example: Scene) -> None:
-    with pytest.raises(
-        PackError, match="'magic'; allowed: physics, algorithm_1, algorithm_1_literal, random"
-    ):
+    with pytest.raises(PackError, match=f"'magic'; allowed: {', '.join(PLACEMENT_PLANNERS)}"):
         PlacementPlanners(example, packing_cell(), PlacementPlannerConfig()).of("magic")
     with pytest.raises(ValidationError, match=r"physics, algorithm_1, algorithm_1_literal, random.*'magic'"):
         PlacementPlannerConfig(variant="magic")

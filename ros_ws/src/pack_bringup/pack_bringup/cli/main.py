@@ -21,6 +21,7 @@ from pack_bringup.cli import (
     results,
     run,
     status,
+    stop,
     up,
     wiring,
 )
@@ -48,6 +49,7 @@ app = typer.Typer(
     - `pack goal packing` sends a goal to a cell that is running
     - `pack soak packing --hours 1` has a cell pursue goals for hours, and tells what grows
     - `pack status` says what runs, since when, and in which state
+    - `pack stop` brakes the arm of a running cell at once; `pack resume` lets it go on
     - `pack run pack_sim sim_node` starts one node
     - `pack wiring` shows every topic, service and action
     - `pack driver check blocks --domain 7` says whether a driver of an arm does what the cell asks of it
@@ -65,6 +67,7 @@ for command in (
     play,
     up,
     status,
+    stop,
     run,
     robustness,
     wiring,

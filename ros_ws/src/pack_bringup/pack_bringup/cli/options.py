@@ -11,7 +11,7 @@ import typer
 
 from pack_bringup.cli.outputs import check_json_file
 from pack_bringup.cli.terminal import notice
-from pack_core.addresses import LAST_DOMAIN, LOOPBACK, PAGE_TOKEN_VARIABLE
+from pack_core.addresses import LAST_DOMAIN, LOOPBACK, PAGE_TOKEN_VARIABLE, check_token
 from pack_core.namespace import ROOT, checked_namespace
 from pack_core.network import domain_in
 
@@ -178,9 +178,15 @@ Token = Annotated[
 def page_process(
     cell: str, live: bool, port: int, host: str = LOOPBACK, token: str = "", namespace: str = ROOT
 ) -> PageProcess | None:
-    """The page that the options ask for; None without `--live`."""
+    """The page that the options ask for; None without `--live`.
+
+    Raises:
+        ConfigError: the address needs a token, and there is none or a short one.
+    """
     from pack_bringup.viewers import PageProcess
 
+    if live:
+        check_token(host, token)
     return PageProcess(cell, port, host, token, namespace) if live else None
 
 

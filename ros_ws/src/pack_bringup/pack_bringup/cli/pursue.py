@@ -12,7 +12,7 @@ from pack_bringup.cli.evaluate import evaluator_of, run_evaluation, show
 from pack_bringup.cli.options import CellAddress, domain_of, prepare_network
 from pack_bringup.cli.outputs import make_output_folder
 from pack_bringup.cli.terminal import LiveLine, end_as_by_ctrl_c, notice
-from pack_bringup.graph.running import nodes_here, place, running_cells
+from pack_bringup.graph.running import cell_nodes_here, names_of, nodes_here, place, running_cells
 from pack_bringup.job import LOG, CellGoal, Job, progress_of, run_demo
 from pack_bringup.pace import Pace
 from pack_bringup.recording.run_record import BAG_FOLDER
@@ -65,7 +65,8 @@ def run_goal(
 
 
 def _check_running(cell: str, domain: int, namespace: str) -> None:
-    if nodes_here(cell, domain, namespace):
+    here = cell_nodes_here(domain, namespace)
+    if here and here <= names_of(cell):
         return
     others = [f"in {place(*other)} {what}" for other, what in running_cells().items()]
     elsewhere = f"; {', '.join(others)} (--domain, --namespace)" if others else ""

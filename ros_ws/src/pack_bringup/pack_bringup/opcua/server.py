@@ -14,7 +14,7 @@ from typing import Any
 
 from pack_bringup.opcua.alarms import Alarm
 from pack_bringup.opcua.view import NEVER, ValueType, Variable
-from pack_core.addresses import LOOPBACK
+from pack_core.addresses import LOCAL_NAMES
 from pack_core.errors import ConfigError, PackError
 from pack_core.extras import install_command
 
@@ -27,7 +27,6 @@ except ModuleNotFoundError:  # an extra, which `make setup` does not install
     asyncua = None
 
 INSTALL = install_command("opcua", "--require-hashes")
-THIS_MACHINE = (LOOPBACK, "localhost")
 APPLICATION_URI = "urn:packcell:opcua"
 """Of the server; its certificate has it as subject alternative name."""
 NAMESPACE_URI = "urn:packcell:cell"
@@ -92,7 +91,7 @@ class ServerSettings:
             raise ConfigError("--certificate and --key go together: give both or neither")
         if self.trusted is not None and self.certificate is None:
             raise ConfigError("--trusted needs --certificate and --key: who connects is known by encryption")
-        if self.host not in THIS_MACHINE and (self.certificate is None or self.trusted is None):
+        if self.host not in LOCAL_NAMES and (self.certificate is None or self.trusted is None):
             raise ConfigError(
                 f"host '{self.host}' lets everybody operate the cell who reaches this machine; give "
                 "--certificate, --key and --trusted, too (docs/operate/opcua.md), or leave the host out"

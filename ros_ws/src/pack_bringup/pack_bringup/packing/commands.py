@@ -102,8 +102,10 @@ def is_fill(fill: bool, given: Path | None, scene: Path | None, method: PackingM
     """Whether a container is to be filled; raises ConfigError for options that do not go with it."""
     if not (fill or given):
         return False
-    if scene is not None or method is not PackingMethod.PACK_IT_IN:
-        raise ConfigError("--scene or --method beside --fill; allowed: LIST, which has its own container")
+    if scene is not None:
+        raise ConfigError("--scene beside --fill; allowed: LIST, which has its own container")
+    if method is not PackingMethod.PACK_IT_IN:
+        raise ConfigError(f"--method {method.value} beside --fill; allowed: none, baselines pack one object")
     return True
 
 

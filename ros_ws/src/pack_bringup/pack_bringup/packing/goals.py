@@ -242,8 +242,8 @@ def calibration_overrides(preset: str, file: Path) -> dict[str, dict[str, str]]:
     found = load_depth_calibration(file)
     if found.preset != preset:
         raise ConfigError(
-            f"{file}: made under preset '{found.preset}', and this cell has '{preset}'; give "
-            f"--preset {found.preset}, or a file of pack calibrate packing --preset {preset or 'installed'}"
+            f"{file}: made under preset '{found.preset}', and this cell has {preset or 'none'}; "
+            f"give --preset {found.preset}"
         )
     found.applied(load_preset(preset).packing_cell().depth)
     return {"perception": {"calibration": json.dumps(str(file.resolve()))}}

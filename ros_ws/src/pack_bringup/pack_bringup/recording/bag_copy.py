@@ -41,8 +41,10 @@ def copy_bag(
     Latched messages from before `start`, such as the cell's description, are copied too.
 
     Raises:
-        BagError: the source is not readable, or the target exists.
+        BagError: the source is not readable, the target exists, or the end comes before the start.
     """
+    if end < start:
+        raise BagError(f"from {start:g} s to {end:g} s; allowed: an end after the start")
     raw = read_raw_bag(source, topics)
     latched = {name for name, topic in raw.topics.items() if is_latched(topic)}
     first = {name: 0.0 if name in latched else start for name in raw.topics}

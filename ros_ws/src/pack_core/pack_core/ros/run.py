@@ -12,6 +12,7 @@ from typing import Any
 
 import rclpy
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
 from pack_core.errors import PackError
@@ -44,7 +45,11 @@ def run_node(make: Callable[[], Node], args: list[str] | None = None) -> int:
     watch_if_asked()
     executor = node = None
     try:
-        start_ros(args=args)
+        try:
+            start_ros(args=args)
+        except rclpy_implementation.RCLError as error:
+            print(f"error: ROS arguments that cannot be used: {error}", file=sys.stderr)
+            return 2
         executor = SingleThreadedExecutor()
         node = make()
         confirm_network()

@@ -63,8 +63,10 @@ def explanation(error: ValidationError, source: str, text: str = "") -> str:
         source: names the text.
         text: the text itself, for the numbers of lines; empty: the values were not written in one text.
     """
-    lines = Lines(text)
-    return listed([_explain(item, source, lines) for item in error.errors(include_url=False)])
+    lines, found = Lines(text), error.errors(include_url=False)
+    # what would follow from a value that is wrong itself is not wrong besides
+    found = [item for item in found if item["type"] != "default_factory_not_called"]
+    return listed([_explain(item, source, lines) for item in found])
 
 
 def _explain(item: Any, source: str, lines: Lines) -> str:

@@ -8,12 +8,13 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Protocol
 
-from pack_core.blocks.cell import BlocksCell
+from pack_core.blocks.cell import BlocksCell, blocks_cell
 from pack_core.blocks.problem import Problem
 from pack_core.blocks.problem_file import parse_problem
 from pack_core.errors import ConfigError
 from pack_core.text.reader import read_text
 from pack_planner.rearrangement.instances import make_instance
+from pack_planner.rearrangement.validation import find_fault
 
 WARM_UP_SEED = 10**6
 """Of no instance that is measured."""
@@ -94,12 +95,13 @@ class FileInstance:
         """Read and check a file.
 
         Raises:
-            ConfigError: there is none, or it is no problem file.
+            ConfigError: there is none, it is no problem file, or the problem contradicts itself.
         """
         if not path.is_file():
             raise ConfigError(f"{path}: no such file; config/scenarios/blocks/example.yaml is an example")
         text = read_text(path)
-        parse_problem(text, str(path))
+        if fault := find_fault(parse_problem(text, str(path), blocks_cell())):
+            raise ConfigError(f"{path}: {fault.text}")
         return cls(path.stem, text, seed)
 
     @property

@@ -83,7 +83,7 @@ class RearrangementPlanner(Config, ABC):
     """A way to plan rearrangements.
 
     A subclass states its parameters as fields and plans in `plan`. It becomes a method by one line in
-    `RearrangementConfig`, whose field names are the names that nodes, lockstep and commands take.
+    `METHODS` (`methods.py`), with the name that nodes, lockstep and commands take.
 
     Attributes:
         most_blocks: problems with more blocks are refused before the planner is asked.

@@ -43,6 +43,11 @@ class CameraPublisher(Generic[Snapshot]):
             return ""
         return self._error or "the last picture is still being made"
 
+    def wait(self) -> None:
+        """Wait until the picture that was asked for last is published."""
+        if self._thread is not None:
+            self._thread.wait()
+
     def close(self) -> None:
         """Draw no more pictures."""
         if self._thread is not None:

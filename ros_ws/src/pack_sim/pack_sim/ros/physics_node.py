@@ -70,6 +70,9 @@ class SimulatedCell(Protocol):
 class CameraEnd(Protocol):
     """A camera that draws in a thread of its own, as far as this node needs it."""
 
+    def wait(self) -> None:
+        """Wait until the picture that was asked for last is published, if one was."""
+
     def close(self) -> None:
         """End the thread."""
 
@@ -81,7 +84,7 @@ class Pacing(Config):
         default=1.0,
         ge=0,
         le=100,
-        description="simulated seconds a second; 1: real time, 0: as fast as it can",
+        description="simulated seconds a second; 1: real time, 0: as fast as physics and pictures can",
     )
     one_sender: Annotated[bool, AT_ONCE] = Field(
         default=True,
@@ -196,6 +199,8 @@ class PhysicsNode(CellNode):
             self._pacer.skip()
             self._reported = time.monotonic()
             return
+        if self._pacer.is_free and self._camera_end is not None:
+            self._camera_end.wait()  # or simulated time would run out for whoever waits for the picture
         delay = self._pacer.delay(simulated)
         self._stopped.wait(delay) if delay > 0 else time.sleep(0)
         if time.monotonic() - self._reported > REPORT_PERIOD:

@@ -119,6 +119,11 @@ class DepthPublisher:
             if publisher.get_subscription_count():
                 publisher.publish(to_depth_cloud(frame.time, image, camera, name))
 
+    def wait(self) -> None:
+        """Wait until the images that were exposed last are made."""
+        if self._thread is not None:
+            self._thread.wait()
+
     def close(self) -> None:
         """Expose no more."""
         if self._thread is not None:
