@@ -6,6 +6,7 @@ import pytest
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.model import HELD_POSITION, ArmRole
 from pack_core.packing.scene import Scene
+from pack_mpc.optimizers.sgn import SgnConfig
 from pack_mpc.optimizers.spline import BENDING_RATE, Basis, ResolvedRateServo
 from pack_mpc.plant import PackingPlant
 
@@ -67,7 +68,7 @@ def test_a_stretched_elbow_is_bent_again_at_a_rate(plant, joints) -> None:
     servo = ResolvedRateServo(plant, q, q, leash=0.04)
     references, v = servo.references(np.tile([0.4, 0.0, 0.0, 0.0, 0.0, 0.0], (1, 50, 1)), 0.012)
     np.testing.assert_allclose(references[0, :, 3], np.maximum(q[3] - BENDING_RATE * TIMES, bent))
-    # by it the held object is drawn along no faster than where it may land, or hardly
-    assert BENDING_RATE * np.linalg.norm(plant.held_jacobian(q)[:3, 3]) < 0.1
+    # what it does to the held object is not much faster than what twists do where that may land
+    assert BENDING_RATE * np.linalg.norm(plant.held_jacobian(q)[:3, 3]) < 2.0 * SgnConfig().speed_landing
     assert v[0, 1:, 3].max() <= 0.0
     assert v[0, :, 1].min() > 0.0
