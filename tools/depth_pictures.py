@@ -5,6 +5,7 @@ Each row is a scene for tuning: as the three depth cameras see it, as a look mod
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Sequence
 
 import matplotlib as mpl
@@ -43,6 +44,7 @@ Placed = Sequence[tuple[ObjectModel, Pose]]
 
 def main() -> None:
     """Draw a row for each scene."""
+    argparse.ArgumentParser(description=__doc__).parse_args()
     figure = Figure(figsize=(13.5, 2.5 * len(SCENES)), layout="constrained")
     rows = figure.subplots(len(SCENES), len(TITLES))
     for row, (preset, seed) in zip(rows, SCENES, strict=True):

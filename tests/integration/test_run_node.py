@@ -85,3 +85,19 @@ def test_a_node_tells_what_it_used_however_it_ends(
         process.communicate()
     assert process.returncode == code
     assert {NODE, LATER} & told(tmp_path) == used
+
+
+MISLED = """
+import sys
+from pack_core.ros.run import run_node
+from rclpy.node import Node
+
+sys.exit(run_node(lambda: Node("misled"), ["misled", "--ros-args", "--params-file", "nothere.yaml"]))
+"""
+
+
+def test_ros_arguments_that_cannot_be_used_are_an_error() -> None:
+    process = ended(MISLED)
+    assert process.returncode == 2
+    assert "error: ROS arguments that cannot be used: " in process.stderr
+    assert "nothere.yaml" in process.stderr

@@ -9,6 +9,7 @@ import yaml
 
 from pack_bringup.cli import up
 from pack_bringup.cli.main import main
+from pack_bringup.cli.options import page_process
 from pack_bringup.cli.outputs import make_output_folder
 from pack_bringup.graph.processes import ProcessGroup
 from pack_core.errors import ConfigError
@@ -138,3 +139,19 @@ def test_the_palletizing_benchmark_takes_one_order_by_its_file(
         monkeypatch, capfd, "benchmark", "palletizing", "--order", missing, "-o", str(tmp_path / "results")
     )
     assert missing in said
+
+
+@pytest.mark.parametrize(
+    ("live", "port", "host", "token", "words"),
+    [
+        (True, 8210, "0.0.0.0", "", "give a token, too"),
+        (True, 8210, "0.0.0.0", "short", "16 or more"),
+        (False, 8211, "127.0.0.1", "", "without --live"),
+        (False, 8210, "0.0.0.0", "", "without --live"),
+    ],
+)
+def test_a_page_that_cannot_be_shown_is_refused_before_anything_starts(
+    live: bool, port: int, host: str, token: str, words: str
+) -> None:
+    with pytest.raises(ConfigError, match=words):
+        page_process("packing", live, port, host, token)

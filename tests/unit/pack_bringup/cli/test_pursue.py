@@ -9,7 +9,7 @@ import typer
 from pack_bringup.cli import pursue
 from pack_bringup.pace import Pace
 from pack_bringup.packing.goals import PackingJob
-from pack_core.errors import BagError
+from pack_core.errors import BagError, PackError
 
 
 @pytest.fixture
@@ -49,3 +49,21 @@ def test_a_goal_that_failed_before_its_work_began_has_its_reason_and_no_word_of_
     said = capsys.readouterr().out
     assert "goal ended: failure, the cell is not calibrated\n" in said
     assert "recording" not in said
+
+
+@pytest.mark.parametrize("here", [set(), {"sim", "perception", "planner", "mpc", "recorder"}])
+def test_a_goal_for_a_cell_that_does_not_run_is_refused_also_where_another_one_does(
+    here: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pursue, "cell_nodes_here", lambda *_: here)
+    monkeypatch.setattr(pursue, "running_cells", dict)
+    with pytest.raises(PackError, match="no node of the blocks cell runs in ROS domain 7"):
+        pursue._check_running("blocks", 7, "/")
+
+
+@pytest.mark.parametrize("here", [{"fsm"}, {"sim", "tags", "rearrangement", "motion", "fsm", "recorder"}])
+def test_a_goal_is_sent_to_a_cell_that_runs_also_in_part(
+    here: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pursue, "cell_nodes_here", lambda *_: here)
+    pursue._check_running("blocks", 7, "/")

@@ -50,3 +50,8 @@ def test_a_copy_of_a_bag_that_was_cut_off_is_finished(recording: Path, tmp_path:
 def test_an_existing_target_is_not_written_over(recording: Path) -> None:
     with pytest.raises(BagError, match="exists already"):
         copy_bag(recording, recording)
+
+
+def test_an_end_before_the_start_is_refused(recording: Path, tmp_path: Path) -> None:
+    with pytest.raises(BagError, match="from 5 s to 2 s"):
+        copy_bag(recording, tmp_path / "copy", start=5.0, end=2.0)

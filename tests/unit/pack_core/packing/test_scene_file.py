@@ -68,6 +68,12 @@ def test_a_bad_value_is_named_with_what_is_allowed(key: str, value: Any, parts: 
         assert part in message
 
 
+def test_what_follows_from_a_wrong_value_is_no_error_besides() -> None:
+    message = refusal({"new_object.mass": "heavy"})
+    assert "new_object.box.mass" in message
+    assert "colour" not in message
+
+
 def test_a_new_object_that_hangs_into_the_container_is_refused() -> None:
     message = refusal({"container.height": 0.45, "new_object.size": [0.06, 0.06, 0.4]})
     assert "new_object" in message

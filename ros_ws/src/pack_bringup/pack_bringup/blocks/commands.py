@@ -32,6 +32,10 @@ from pack_bringup.cli.outputs import command_line
 from pack_bringup.cli.pursue import run_goal, run_live
 from pack_bringup.recording.run_record import default_folder
 from pack_core.addresses import PAGE_PORT
+from pack_core.errors import ConfigError
+
+BLOCKS, DENSITY = 9, 0.2
+"""Of a problem that is generated, unless others are asked for."""
 
 Blocks = Annotated[int, typer.Option(min=1, max=25, help="Number of blocks.")]
 Density = Annotated[
@@ -43,12 +47,19 @@ ProblemFile = Annotated[
     Path | None,
     typer.Option(metavar="FILE", help="Solve the problem of this file instead of a generated one."),
 ]
-Method = Annotated[str, typer.Option("--method", "--planner", help="Planner by its name, e.g. `beam`.")]
+Method = Annotated[
+    str,
+    typer.Option(
+        "--method",
+        "--planner",
+        help="Planner by its name: `beam`, `pirs`, or one of your own. Default: `beam`.",
+    ),
+]
 
 
 def goal(
-    blocks: Blocks = 9,
-    density: Density = 0.2,
+    blocks: Blocks = BLOCKS,
+    density: Density = DENSITY,
     seed: Seed = 0,
     mixed: Mixed = False,
     problem: ProblemFile = None,
@@ -68,8 +79,18 @@ def goal(
     """
     from pack_bringup.blocks.goals import BlocksGoal, problem_of
 
+    _refuse_beside(problem, blocks, density, mixed=mixed)
     wanted = BlocksGoal(problem_of(problem, blocks, density, seed, mixed), seed, _checked(method))
     run_goal(wanted, CellAddress(domain, namespace, network), reset=reset)
+
+
+def _refuse_beside(problem: Path | None, blocks: int, density: float, *, mixed: bool) -> None:
+    """Raise ConfigError where a file and what is generated instead of it are both asked for."""
+    given = {"--blocks": blocks != BLOCKS, "--density": density != DENSITY, "--mixed": mixed}
+    if problem is not None and (names := [name for name, is_given in given.items() if is_given]):
+        raise ConfigError(
+            f"{', '.join(names)} beside --problem; allowed: one of them, the file says what there is"
+        )
 
 
 def _checked(method: str) -> str:
@@ -80,8 +101,8 @@ def _checked(method: str) -> str:
 
 
 def demo(
-    blocks: Blocks = 9,
-    density: Density = 0.2,
+    blocks: Blocks = BLOCKS,
+    density: Density = DENSITY,
     seed: Seed = 0,
     mixed: Mixed = False,
     problem: ProblemFile = None,
@@ -104,6 +125,7 @@ def demo(
     """
     from pack_bringup.blocks.goals import BlocksJob, problem_of
 
+    _refuse_beside(problem, blocks, density, mixed=mixed)
     text = problem_of(problem, blocks, density, seed, mixed)
     folder = output or default_folder("blocks", seed, datetime.now())
     job = BlocksJob(

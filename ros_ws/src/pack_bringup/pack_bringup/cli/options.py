@@ -11,7 +11,8 @@ import typer
 
 from pack_bringup.cli.outputs import check_json_file
 from pack_bringup.cli.terminal import notice
-from pack_core.addresses import LAST_DOMAIN, LOOPBACK, PAGE_TOKEN_VARIABLE, check_token
+from pack_core.addresses import LAST_DOMAIN, LOOPBACK, PAGE_PORT, PAGE_TOKEN_VARIABLE, check_token
+from pack_core.errors import ConfigError
 from pack_core.namespace import ROOT, checked_namespace
 from pack_core.network import domain_in
 
@@ -181,12 +182,14 @@ def page_process(
     """The page that the options ask for; None without `--live`.
 
     Raises:
-        ConfigError: the address needs a token, and there is none or a short one.
+        ConfigError: the address needs a token, and there is none or a short one; or it is of no page.
     """
     from pack_bringup.viewers import PageProcess
 
     if live:
         check_token(host, token)
+    elif (port, host) != (PAGE_PORT, LOOPBACK):
+        raise ConfigError("--port or --host without --live; allowed: both, or neither of them")
     return PageProcess(cell, port, host, token, namespace) if live else None
 
 

@@ -58,7 +58,7 @@ def up(
     ] = None,
     preset: Annotated[
         str,
-        typer.Option(help="Conditions: a file of config/presets, in the folder of the cell."),
+        typer.Option(help="Conditions by name, e.g. `hardware`: its file is in config/presets."),
     ] = "",
     calibration: Annotated[
         Path | None,

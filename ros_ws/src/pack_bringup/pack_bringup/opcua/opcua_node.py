@@ -94,7 +94,7 @@ class OpcuaNode(CellNode):
             partial(self._note, kind="error"),
         )  # fmt: skip
         self.create_timer(PERIOD, self._turn, clock=self.wall)
-        print(f"OPC UA: {config.settings().address}, object {self._cell}", flush=True)
+        print(f"OPC UA: {config.settings().address}, object Cell, of {self._cell}", flush=True)
 
     def destroy_node(self) -> None:
         """Stop serving, then end."""

@@ -115,7 +115,7 @@ def demo(
     method: Method = PackingMethod.PACK_IT_IN,
     preset: Annotated[
         str,
-        typer.Option(help="Run under the conditions of this file of config/presets."),
+        typer.Option(help="Conditions by name, e.g. `hardware`: its file is in config/presets."),
     ] = "",
     calibration: Annotated[
         Path | None,
@@ -198,10 +198,10 @@ def benchmark(
     weights: Annotated[
         str | None,
         typer.Option(
-            help="Weights of the cost, a file of config/weights: `tuned` or `table_1`. Default: the node's."
+            help="Weights of the cost, by the name of a file of config/weights. Default: the node's."
         ),
     ] = None,
-    preset: Annotated[str, typer.Option(help="Conditions of the run, a file of config/presets.")] = "ideal",
+    preset: Annotated[str, typer.Option(help="Conditions: name of a file of config/presets.")] = "ideal",
     container: Annotated[
         str | None,
         typer.Option(

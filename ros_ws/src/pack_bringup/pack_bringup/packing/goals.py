@@ -189,13 +189,15 @@ def packing_fill_job(
     """
     cell = cell_of(preset)
     listed = wanted_list(seed, given, cell)
-    folder.mkdir(parents=True, exist_ok=True)
     start = folder / START
-    start.write_text(listed.start(cell).to_yaml())
-    return PackingFillJob(
+    job = PackingFillJob(
         seed, start, folder=folder, preset=preset, list_text=listed.to_yaml(),
         real_time_factor=real_time_factor, command=command, calibration=calibration,
     )  # fmt: skip
+    job.overrides()  # what cannot be is refused before a folder is made
+    folder.mkdir(parents=True, exist_ok=True)
+    start.write_text(listed.start(cell).to_yaml())
+    return job
 
 
 def cell_of(preset: str) -> PackingCell:

@@ -138,7 +138,7 @@ def demo(
     ] = "",
     preset: Annotated[
         str,
-        typer.Option(help="Conditions, a file of config/presets. Default: those of `rigid`."),
+        typer.Option(help="Conditions by name, e.g. `real`: its file is in config/presets."),
     ] = "",
     calibration: Annotated[
         Path | None,
@@ -226,7 +226,7 @@ def benchmark(
     ] = "",
     preset: Annotated[
         str,
-        typer.Option(help="Conditions, a file of config/presets; `rigid` is the cell as configured."),
+        typer.Option(help="Conditions: name of a file of config/presets. `rigid`: as configured."),
     ] = "rigid",
     vision: Annotated[
         bool,
@@ -355,9 +355,7 @@ def layout(
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="DIR", help="Folder for the pictures.")
     ] = Path("bags/layout"),
-    preset: Annotated[
-        str, typer.Option(help="Conditions, a file of config/presets; `rigid` is the layout as configured.")
-    ] = "rigid",
+    preset: Annotated[str, typer.Option(help="Conditions by name: its file is in config/presets.")] = "rigid",
     json_file: Annotated[
         Path | None,
         typer.Option(

@@ -34,7 +34,9 @@ def draw_plan(problem: Problem, plan: Plan, columns: int = 6) -> Figure:
     states = list(plan.states(problem.starts))
     columns = max(1, min(columns, len(states)))
     rows = -(-len(states) // columns)
-    figure = Figure(figsize=(columns * TILE, rows * (TILE + 0.2) + 0.3), facecolor=PAPER)
+    figure = Figure(
+        figsize=(columns * TILE, rows * (TILE + 0.2) + 0.3), facecolor=PAPER, layout="constrained"
+    )
     grid = figure.subplots(rows, columns, squeeze=False)
     for axes in grid.flat:
         axes.set_axis_off()
@@ -44,7 +46,6 @@ def draw_plan(problem: Problem, plan: Plan, columns: int = 6) -> Figure:
         _draw_state(axes, problem, states[number], action)
         axes.set_title(f"{number}  {_words(action)}", fontsize=8, color=INK, pad=3)
     figure.suptitle(_heading(plan), fontsize=10, color=INK, x=0.02, ha="left")
-    figure.tight_layout(rect=(0.0, 0.0, 1.0, 1.0 - 0.1 / figure.get_figheight()))
     return figure
 
 

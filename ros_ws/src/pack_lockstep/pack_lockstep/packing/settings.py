@@ -136,6 +136,8 @@ def scene_jobs(settings: BenchmarkSettings, seed: int, count: int) -> list[Scene
     if settings.scene_dir is None:
         return [SceneJob(f"seed_{n}", n) for n in range(seed, seed + count)]
     cell = load_preset(settings.preset).packing_cell()
+    if not settings.scene_dir.is_dir():
+        raise ConfigError(f"{settings.scene_dir}: no such folder; allowed: one with scene files (*.yaml)")
     files = sorted(settings.scene_dir.glob("*.yaml"))
     if len(files) < count:
         what = f"{settings.scene_dir} has {len(files)} scene files (*.yaml), and {count} are wanted"

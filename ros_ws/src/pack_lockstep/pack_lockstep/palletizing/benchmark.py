@@ -74,6 +74,8 @@ def order_files(folder: Path) -> list[Path]:
     Raises:
         ConfigError: there is none.
     """
+    if not folder.is_dir():
+        raise ConfigError(f"{folder}: no such folder; config/orders is one")
     files = sorted(folder.glob("*.json"))
     if not files:
         raise ConfigError(f"{folder} has no order files (*.json); config/orders has 25")
