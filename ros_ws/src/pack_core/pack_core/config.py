@@ -108,4 +108,4 @@ def validate_config(
     try:
         return cls.model_validate(data, context={FOLDER: folder})
     except ValidationError as error:
-        raise ConfigError(explanation(error, source, text)) from error
+        raise ConfigError(explanation(error, cls, source, text)) from error

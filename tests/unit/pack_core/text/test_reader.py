@@ -93,7 +93,7 @@ def test_an_error_names_file_line_key_value_and_what_is_allowed() -> None:
         parse_config(Whole, "parts:\n- weight: 1\n- weight: heavy\n  colour: red\n", "w.yaml")
     assert str(caught.value).splitlines() == [
         "w.yaml, line 3: key 'parts.1.weight' is 'heavy'; allowed: a number, not a text",
-        "w.yaml, line 4: key 'parts.1.colour' is not known; remove it or correct its spelling",
+        "w.yaml, line 4: key 'parts.1.colour' is not known; allowed: weight",
     ]
 
 

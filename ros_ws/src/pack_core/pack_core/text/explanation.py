@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import yaml
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
+from pack_core.text.known_keys import meant
 from pack_core.text.shown import listed, on_one_line, shown_value
 
 LARGEST = 1_000_000
@@ -55,27 +56,28 @@ def _child(node: Any, key: Any) -> tuple[Any, int] | None:
     return None
 
 
-def explanation(error: ValidationError, source: str, text: str = "") -> str:
+def explanation(error: ValidationError, cls: type[BaseModel], source: str, text: str = "") -> str:
     """A line for every problem.
 
     Args:
         error: what pydantic raised.
+        cls: the class that refused the values.
         source: names the text.
         text: the text itself, for the numbers of lines; empty: the values were not written in one text.
     """
     lines, found = Lines(text), error.errors(include_url=False)
     # what would follow from a value that is wrong itself is not wrong besides
     found = [item for item in found if item["type"] != "default_factory_not_called"]
-    return listed([_explain(item, source, lines) for item in found])
+    return listed([_explain(item, cls, source, lines) for item in found])
 
 
-def _explain(item: Any, source: str, lines: Lines) -> str:
+def _explain(item: Any, cls: type[BaseModel], source: str, lines: Lines) -> str:
     # pydantic: `loc` is the path of keys to the value, `type` what is wrong, `ctx` what is allowed.
     key = on_one_line(".".join(str(part) for part in item["loc"]))
     line = lines.of(item["loc"])
     place = source if line is None else f"{source}, line {line}"
     if item["type"] == "extra_forbidden":
-        return f"{place}: key '{key}' is not known; remove it or correct its spelling"
+        return f"{place}: key '{key}' is not known; {meant(cls, item['loc'])}"
     if item["type"] == "missing":
         return f"{place}: key '{key}' is missing"
     # Sections of several kinds are told apart by one key, which pydantic names in quotes.

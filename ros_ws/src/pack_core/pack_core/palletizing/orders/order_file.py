@@ -14,6 +14,7 @@ from pack_core.palletizing.orders.order_check import misfits_of, problems_of
 from pack_core.palletizing.orders.support import SupportConfig
 from pack_core.text.explanation import Lines
 from pack_core.text.json_text import parse_json
+from pack_core.text.known_keys import meant
 from pack_core.text.reader import read_text
 from pack_core.text.shown import listed, on_one_line, shown_value
 
@@ -89,7 +90,7 @@ def _explain(item: Any, data: dict[str, Any], source: str, lines: Lines) -> str:
         place, keys = f"{place}: {_name_of(data['boxes'], int(keys[1]))}", keys[2:]
     key = on_one_line(".".join(keys))
     if item["type"] == "extra_forbidden":
-        return f"{place}: key '{key}' is not known; remove it or correct its spelling"
+        return f"{place}: key '{key}' is not known; {meant(Order, item['loc'])}"
     if item["type"] == "missing":
         return f"{place}: key '{key}' is missing"
     message = item["msg"].removeprefix("Value error, ")
