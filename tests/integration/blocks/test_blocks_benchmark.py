@@ -14,12 +14,12 @@ KEYS = {
     "instances", "solved", "verified", "first_plan_ms", "actions", "lower_bound", "executed", "executed_ok",
 }  # fmt: skip
 STUCK = """
-workspace: [[-300, -300], [300, -300], [300, 300], [-300, 300]]
+workspace: [[300, -300], [900, -300], [900, 300], [300, 300]]
 blocks:
-- {id: a, start: [0, 0, 0], goal: [200, 200, 0]}
-- {id: b, start: [50.8, 0, 0], goal: [200, 100, 0]}
-- {id: c, start: [0, 50.8, 0], goal: [200, 0, 0]}
-- {id: d, start: [50.8, 50.8, 0], goal: [200, -100, 0]}
+- {id: a, start: [600, 0, 0], goal: [800, 200, 0]}
+- {id: b, start: [650.8, 0, 0], goal: [800, 100, 0]}
+- {id: c, start: [600, 50.8, 0], goal: [800, 0, 0]}
+- {id: d, start: [650.8, 50.8, 0], goal: [800, -100, 0]}
 """
 
 pytestmark = pytest.mark.timeout(300)

@@ -60,7 +60,8 @@ class Cell(Witness):
         self.mpc = graph.start(
             MpcNode, **parameters_of("mpc", watched=watched, fault_time=3.0, **changes["mpc"])
         )
-        graph.wait_until(lambda: not self.mpc.waits_for and not self.planner.waits_for)
+        # what looks and plans may be compiled now
+        graph.wait_until(lambda: not self.mpc.waits_for and not self.planner.waits_for, timeout=120.0)
         # With an object unseen a goal begins with a look for it: `unseen` names those that are hidden.
         graph.wait_until(lambda: self.perception.health.values.get("not seen yet") == unseen)
         graph.connect(contracts.JOINT_STATES, subscribers=3)

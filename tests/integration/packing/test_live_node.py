@@ -14,13 +14,14 @@ from integration.harness import Graph
 from pack_core.errors import ConfigError, PackError
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.packing_list import parse_list
-from pack_core.packing.scene_file import load_scene, parse_scene
+from pack_core.packing.scene_file import load_scene
 from pack_core.paths import config_path
 from pack_core.robots.packing_arms import PACKING_ARMS
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.simulation_types import SetSimulationState, SimulationState
 from pack_mpc.mpc_node import MpcNode
+from pack_sim.packing.sim_node import wanted_scene
 from pack_viewer.live_node import LiveNode
 from pack_viewer.packing.ros.packing_run_form import FILL
 
@@ -125,7 +126,7 @@ def test_a_container_to_be_filled_is_emptied_first(graph: Graph, node: LiveNode)
     graph.wait_until(lambda: node.count_services(contracts.RESET.name))
     node.operator.start("browser 1")
     graph.wait_until(lambda: asked)
-    start = parse_scene(asked[0].scene, "request", packing_cell())
+    start = wanted_scene(asked[0], packing_cell())
     assert not start.objects
     assert start.new_object.pose is not None  # handed over beside the container, not at the pump
     action, goal = node.form.goal()

@@ -45,5 +45,5 @@ def test_the_gripper_closes_only_on_an_object_under_the_cup(graph: Graph) -> Non
     graph.wait_until(lambda: held_object(graph).v_WO_W[2] < -0.5)
     response = command_gripper(graph, sim, close=True)
     assert not response.success
-    assert "mm off the cup; allowed: 5 mm" in response.message
+    assert "degrees off the cup; allowed: 5 mm and 2 degrees" in response.message
     assert not graph.probe.last(contracts.GRIPPER_STATE).is_closed
