@@ -39,14 +39,16 @@ class CameraPublisher(Generic[Snapshot]):
 
     def expose(self, time: float, snapshot: Snapshot) -> str:
         """Have a picture drawn that is exposed at `time` [s]; says why there is none, empty otherwise."""
-        if self._thread is not None and self._thread.expose(time, snapshot):
+        thread = self._thread  # a service's thread may take it away meanwhile
+        if thread is not None and thread.expose(time, snapshot):
             return ""
         return self._error or "the last picture is still being made"
 
     def wait(self) -> None:
         """Wait until the picture that was asked for last is published."""
-        if self._thread is not None:
-            self._thread.wait()
+        thread = self._thread  # a service's thread may take it away meanwhile
+        if thread is not None:
+            thread.wait()
 
     def close(self) -> None:
         """Draw no more pictures."""

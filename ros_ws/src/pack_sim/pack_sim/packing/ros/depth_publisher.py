@@ -102,9 +102,10 @@ class DepthPublisher:
     def step(self, simulator: Simulator) -> None:
         """Expose if it is time, and publish what is due."""
         time = simulator.time
-        if self._thread is not None and self._system.is_due(time):
+        thread = self._thread  # a service's thread may take it away meanwhile
+        if thread is not None and self._system.is_due(time):
             snapshot = DepthSnapshot(time, simulator.model, np.array(simulator.data.qpos))
-            self._left_out += not self._thread.expose(time, snapshot)
+            self._left_out += not thread.expose(time, snapshot)
             self._node.health.values["depth frames left out"] = str(self._left_out)
         for frame in self._system.due(time):
             for publisher, image, name in zip(self._images, frame.images, self._names, strict=True):
@@ -121,8 +122,9 @@ class DepthPublisher:
 
     def wait(self) -> None:
         """Wait until the images that were exposed last are made."""
-        if self._thread is not None:
-            self._thread.wait()
+        thread = self._thread  # a service's thread may take it away meanwhile
+        if thread is not None:
+            thread.wait()
 
     def close(self) -> None:
         """Expose no more."""
