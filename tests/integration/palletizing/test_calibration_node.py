@@ -27,10 +27,9 @@ from pack_core.ros.contracts import shared
 from pack_core.ros.messages.joints import to_joint_state
 from pack_core.ros.messages.motion import to_status
 from pack_core.ros.messages.palletizing import to_gripper_state
-from pack_core.rotations import Pose
+from pack_core.rotations import POINTING_DOWN, Pose
 from pack_planner.layout.layout_node import LayoutNode
 from pallet_fsm.fsm_node import PalletFsmNode
-from pallet_fsm.tool_poses import LOOKING_DOWN
 
 FAULT_TIME = 0.5
 """Silence of a node that ends a goal [s]."""
@@ -63,7 +62,7 @@ def started(graph: Graph, preset: str, calibration: str = "") -> PalletFsmNode:
 
 def tell(graph: Graph, time: float = 1.0) -> None:
     """Speak for arm and gripper, once."""
-    X_WT = Pose(np.array([0.0, 0.5, 2.0]), LOOKING_DOWN)
+    X_WT = Pose(np.array([0.0, 0.5, 2.0]), POINTING_DOWN)
     status = MotionStatus(time, 0, MotionState.IDLE, 0, "", 0.0, 0.0, 0.0, 0.0, 0, "", X_WT)
     sample = JointSample(time, arm_kinematics().home, np.zeros(6), np.zeros(6))
     graph.probe.send(contracts.GRIPPER_STATE, to_gripper_state(time, GripState(reason=ASKED)))

@@ -18,9 +18,8 @@ from pack_core.ros.messages.joints import to_joint_state
 from pack_core.ros.messages.motion import to_status
 from pack_core.ros.messages.palletizing import to_gripper_state
 from pack_core.ros.node import CellNode
-from pack_core.rotations import Pose
+from pack_core.rotations import POINTING_DOWN, Pose
 from pallet_fsm.ros.cell_ports import CellPorts
-from pallet_fsm.tool_poses import LOOKING_DOWN
 
 
 def test_every_measurement_of_the_joints_counts_once_however_seldom_somebody_looks(graph: Graph) -> None:
@@ -35,7 +34,7 @@ def test_every_measurement_of_the_joints_counts_once_however_seldom_somebody_loo
         heard.extend(sample.time for sample in seen.samples) if seen is not None else None
         return len(heard) >= number
 
-    X_WT = Pose(np.array([0.0, 0.5, 2.0]), LOOKING_DOWN)
+    X_WT = Pose(np.array([0.0, 0.5, 2.0]), POINTING_DOWN)
     status = MotionStatus(1.0, 0, MotionState.IDLE, 0, "", 0.0, 0.0, 0.0, 0.0, 0, "", X_WT)
     graph.probe.send(contracts.GRIPPER_STATE, to_gripper_state(1.0, GripState(reason=ASKED)))
     graph.probe.send(motion_contracts.MOTION_STATUS, to_status(status))

@@ -23,10 +23,9 @@ from pack_core.ros.contracts import shared
 from pack_core.ros.messages.markers import GOALS, VERTICES
 from pack_core.ros.messages.motion import to_status
 from pack_core.ros.messages.palletizing import to_gripper_state
-from pack_core.rotations import Pose
+from pack_core.rotations import POINTING_DOWN, Pose
 from pack_planner.layout.layout_node import LayoutNode
 from pallet_fsm.fsm_node import PalletFsmNode
-from pallet_fsm.tool_poses import LOOKING_DOWN
 
 ORDER = config_path("orders", "order_03.json")
 FAULT_TIME = 0.5
@@ -45,7 +44,7 @@ def fsm(graph: Graph) -> PalletFsmNode:
 
 def tell(graph: Graph, time: float = 1.0) -> None:
     """Speak for arm and gripper, once."""
-    X_WT = Pose(np.array([0.0, 0.5, 2.0]), LOOKING_DOWN)
+    X_WT = Pose(np.array([0.0, 0.5, 2.0]), POINTING_DOWN)
     status = MotionStatus(time, 0, MotionState.IDLE, 0, "", 0.0, 0.0, 0.0, 0.0, 0, "", X_WT)
     graph.probe.send(contracts.GRIPPER_STATE, to_gripper_state(time, GripState(reason=ASKED)))
     graph.probe.send(motion_contracts.MOTION_STATUS, to_status(status))

@@ -21,10 +21,9 @@ from pack_core.ros.contracts import shared
 from pack_core.ros.messages.conversions import from_stamp
 from pack_core.ros.messages.motion import to_status
 from pack_core.ros.messages.palletizing import from_cloud, to_cloud, to_gripper_state
-from pack_core.rotations import Pose
+from pack_core.rotations import POINTING_DOWN, Pose
 from pack_planner.layout.layout_node import LayoutNode
 from pallet_fsm.fsm_node import PalletFsmNode
-from pallet_fsm.tool_poses import LOOKING_DOWN
 from unit.pack_perception.scans.closed_form import box_on, scan_of
 
 CELL = palletizing_cell()
@@ -33,7 +32,7 @@ SCANS = {
     PALLET: (contracts.SCAN_PALLET, contracts.PALLET_SCAN),
     "reorientation_table": (contracts.SCAN_TABLE, contracts.TABLE_SCAN),
 }
-BESIDE = Pose(np.array([-0.5, 1.2, 1.5]), LOOKING_DOWN)
+BESIDE = Pose(np.array([-0.5, 1.2, 1.5]), POINTING_DOWN)
 """Of a tool that is near the pallet and hides nothing of it."""
 
 

@@ -23,15 +23,14 @@ from pack_core.palletizing.ports import (
     TakePicture,
 )
 from pack_core.palletizing.scanner import PlaceScan
-from pack_core.rotations import Pose, from_yaw, multiply
+from pack_core.rotations import POINTING_DOWN, Pose, from_yaw, multiply
 from pallet_fsm.order_book import standing_box
-from pallet_fsm.tool_poses import LOOKING_DOWN
 from unit.pack_perception.scans.closed_form import scan_of
 from unit.pallet_fsm.fake_motion import FakeMotion
 from unit.pallet_fsm.faults import Faults
 
 PERIOD = 0.05
-HOME = Pose(np.array([0.0, 0.5, 2.0]), LOOKING_DOWN)
+HOME = Pose(np.array([0.0, 0.5, 2.0]), POINTING_DOWN)
 REACH = 0.01
 TURN = 0.3
 """By which somebody turns a box [rad]."""

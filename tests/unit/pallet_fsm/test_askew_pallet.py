@@ -8,14 +8,14 @@ from pack_core.palletizing.cell import PalletizingCell, palletizing_cell
 from pack_core.palletizing.imperfections import Displacement
 from pack_core.palletizing.orders.layout_plan import Insertion, PlannedBox
 from pack_core.palletizing.orders.placed_box import PlacedBox
-from pack_core.rotations import Pose, from_yaw
+from pack_core.rotations import POINTING_DOWN, Pose, from_yaw
 from pallet_fsm.blended_moves import BlendedMoves
 from pallet_fsm.goals import Goals
 from pallet_fsm.order_book import WorkItem
 from pallet_fsm.palletizer_config import BlendedConfig, ThesisConfig, ToolPoseConfig
 from pallet_fsm.states import State
 from pallet_fsm.targets import Situation, targets_of
-from pallet_fsm.tool_poses import LOOKING_DOWN, grasps
+from pallet_fsm.tool_poses import grasps
 from unit.pallet_fsm.whole_orders import given_order
 
 ASKEW = Displacement(shift=(0.002, -0.003, 0.004), turn=(-0.0016, -0.0026, -0.0039))
@@ -65,7 +65,7 @@ def test_way_points_over_the_pallet_are_along_its_axes() -> None:
 
 
 def test_the_empty_tool_rises_along_the_pallets_vertical_in_both_profiles() -> None:
-    cell, X_WT = cell_with(ASKEW), Pose(np.array([0.0, 0.5, 0.6]), LOOKING_DOWN)
+    cell, X_WT = cell_with(ASKEW), Pose(np.array([0.0, 0.5, 0.6]), POINTING_DOWN)
     goals = Goals(cell, ToolPoseConfig())
     (home,) = BlendedMoves(goals, BlendedConfig(), ThesisConfig()).legs(
         State.RETREAT, State.RETURN, None, X_WT

@@ -5,12 +5,11 @@ import pytest
 
 from pack_core.motion.moves import Path
 from pack_core.motion.target import MotionState, MotionStatus
-from pack_core.rotations import Pose
+from pack_core.rotations import POINTING_DOWN, Pose
 from pallet_fsm.goals import Leg
 from pallet_fsm.leg_runner import Mover
 from pallet_fsm.palletizer_config import MoverConfig
 from pallet_fsm.states import State, profile_of
-from pallet_fsm.tool_poses import LOOKING_DOWN
 from pallet_fsm.transitions import Event
 
 PERIOD = 0.004
@@ -23,7 +22,7 @@ def approach(
 ) -> tuple[float, Event | None]:
     """Time until a move to `end` counts as done, with a tool that comes down at `speed` [m/s], and how."""
     mover = Mover(profile_of("blended"), config)
-    goal = Pose(np.array([1.0, 2.0, 0.5]), LOOKING_DOWN)
+    goal = Pose(np.array([1.0, 2.0, 0.5]), POINTING_DOWN)
     idle = MotionStatus(0.0, 0, MotionState.IDLE, 0, "", 0.0, 0.0, 0.0, 0.0, 0, "", goal)
     mover.begin([(Leg(Path(()), goal, end), frozenset())], None, (), idle, 0.0)
     for time in np.arange(PERIOD, duration, PERIOD):

@@ -16,7 +16,7 @@ from pack_core.palletizing.orders.order_file import load_order
 from pack_core.palletizing.ports import PalletObservation, ScanPlace
 from pack_core.palletizing.scanner import PlaceScan
 from pack_core.paths import config_path
-from pack_core.rotations import Pose, from_yaw, multiply
+from pack_core.rotations import POINTING_DOWN, Pose, from_yaw, multiply
 from pack_perception.scans.comparison import Finding, Oddity
 from pallet_fsm.order_book import OrderBook
 from pallet_fsm.palletizer import Palletizer
@@ -24,7 +24,6 @@ from pallet_fsm.palletizer_config import PalletizerConfig, ScanConfig
 from pallet_fsm.place_watch import PlaceLook, PlaceWatch
 from pallet_fsm.report import BoxOutcome, OrderReport
 from pallet_fsm.states import State
-from pallet_fsm.tool_poses import LOOKING_DOWN
 from pallet_fsm.transitions import Event
 from unit.pack_perception.scans.closed_form import box_on, scan_of
 from unit.pallet_fsm.fake_cell import FakeCell
@@ -138,7 +137,7 @@ def test_a_scanner_that_never_answers_is_named() -> None:
 
 def looking(tool_y: float, measured: float = 1.0, scans: tuple[PlaceScan, ...] = ()) -> PalletObservation:
     """What is known with the tool this far from the pallet's middle, measured at this time [s]."""
-    cell = FakeCell(load_order(PLAIN), X_WT=Pose(np.array([-0.5, tool_y, 1.5]), LOOKING_DOWN))
+    cell = FakeCell(load_order(PLAIN), X_WT=Pose(np.array([-0.5, tool_y, 1.5]), POINTING_DOWN))
     seen = cell.observe()
     return replace(seen, time=measured, motion=replace(seen.motion, time=measured), scans=scans)
 

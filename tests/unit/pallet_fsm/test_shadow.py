@@ -8,9 +8,8 @@ import pytest
 from pack_core.motion.world import CarriedBox
 from pack_core.palletizing.cell import PALLET, palletizing_cell
 from pack_core.robots.kr210 import WRIST_LENGTH
-from pack_core.rotations import Pose, exp
+from pack_core.rotations import POINTING_DOWN, Pose, exp
 from pallet_fsm.place_watch import ArmShadow
-from pallet_fsm.tool_poses import LOOKING_DOWN
 
 CELL = palletizing_cell()
 SHADOW = ArmShadow(next(block for block in CELL.furniture if block.name == PALLET), CELL)
@@ -19,7 +18,7 @@ BESIDE_Y = CELL.pallet.corner[1] + CELL.pallet.size[1]
 
 
 def at(x: float, y: float) -> Pose:
-    return Pose(np.array([x, y, 1.5]), LOOKING_DOWN)
+    return Pose(np.array([x, y, 1.5]), POINTING_DOWN)
 
 
 def test_an_arm_over_the_pallet_has_no_clearance_and_one_beside_it_its_distance() -> None:

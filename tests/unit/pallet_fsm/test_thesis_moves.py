@@ -6,7 +6,7 @@ import pytest
 from pack_core.motion.moves import UP, Line, PoseMove
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.orders.handling import ARRIVAL, PERMUTATIONS, Handling
-from pack_core.rotations import Pose, angle_between, rotate
+from pack_core.rotations import POINTING_DOWN, Pose, angle_between, rotate
 from pallet_fsm.goals import Goals
 from pallet_fsm.order_book import OrderBook, WorkItem
 from pallet_fsm.palletizer_config import ThesisConfig, ToolPoseConfig
@@ -14,12 +14,11 @@ from pallet_fsm.printed_orientations import EULER, printed_extents, printed_orie
 from pallet_fsm.report import BoxOutcome
 from pallet_fsm.states import State
 from pallet_fsm.thesis_moves import ThesisMoves, wanted_orientation
-from pallet_fsm.tool_poses import LOOKING_DOWN
 from unit.pallet_fsm.whole_orders import given_order, plan_as_given
 
 CELL, CONFIG = palletizing_cell(), ThesisConfig()
 MOVES = ThesisMoves(Goals(CELL, ToolPoseConfig()), CONFIG)
-AHEAD = Pose(np.array([-0.5, 2.2, 1.2]), LOOKING_DOWN)
+AHEAD = Pose(np.array([-0.5, 2.2, 1.2]), POINTING_DOWN)
 
 
 def item_with(handling: Handling, number: int = 9) -> WorkItem:
@@ -27,7 +26,7 @@ def item_with(handling: Handling, number: int = 9) -> WorkItem:
     order = given_order(number)
     items = OrderBook.of_order(order, plan_as_given(order), CELL).items
     item = next(item for item in items if item.handling is handling)
-    item.X_TB = Pose(np.array([0.0, 0.0, 0.5 * item.dims[2]]), LOOKING_DOWN)
+    item.X_TB = Pose(np.array([0.0, 0.0, 0.5 * item.dims[2]]), POINTING_DOWN)
     return item
 
 
@@ -94,7 +93,7 @@ def test_a_flipped_box_is_placed_with_the_orientation_of_its_id_and_others_with_
     flipped, upright = item_with(Handling.FLIP), item_with(Handling.NONE, 3)
     assert flipped.box.bundling_axis == "z"
     assert wanted_orientation(State.TRANSFER, flipped) == pytest.approx(printed_orientation(4, "z"))
-    assert wanted_orientation(State.TRANSFER, upright) == pytest.approx(LOOKING_DOWN)
+    assert wanted_orientation(State.TRANSFER, upright) == pytest.approx(POINTING_DOWN)
     assert wanted_orientation(State.RETREAT, upright) is None
 
 

@@ -18,7 +18,7 @@ from pack_core.blocks.planar import QUARTER, PlanarPose, wrapped
 from pack_core.blocks.problem import CUBE, CUBES, BlockSize, BlockSizes
 from pack_core.motion.moves import JointMove, Line, Path, PoseMove
 from pack_core.motion.world import CarriedBox, Obstacle
-from pack_core.rotations import Array, Pose, from_yaw, multiply, yaw_of
+from pack_core.rotations import POINTING_DOWN, Array, Pose, from_yaw, multiply, yaw_of
 
 TABLE = "table"
 THICKNESS = 0.04
@@ -81,8 +81,6 @@ def _turn(yaw: float) -> Array:
     return np.array([[c, -s], [s, c]])
 
 
-POINTING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])
-"""The tool's orientation at heading 0, as a quaternion wxyz: half a turn about x."""
 TOUCH_DISTANCE = 0.01
 """Length of the last segment above the table, which is slow where a block is put down [m]."""
 CARRY_CLEARANCE = 0.015

@@ -9,13 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from pack_core.config import Config
-from pack_core.rotations import Array, Pose, from_matrix
+from pack_core.rotations import POINTING_DOWN, Array, Pose, from_matrix
 
 Picture = npt.NDArray[np.uint8]
 """RGB `(height, width, 3)`."""
-LOOKING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])
-"""R_WC of a camera that looks along -z of the world, with x to the right and y up in its picture: half a turn
-about x."""
 
 
 class LensDistortion(Config):
@@ -61,7 +58,7 @@ class PinholeCamera:
     @classmethod
     def looking_down(cls, p_WC: npt.ArrayLike, f: float, width: int, height: int) -> PinholeCamera:
         """A camera at p_WC `(3,)` that looks straight down, centred; image up is +y of the world."""
-        X_WC = Pose(np.asarray(p_WC, dtype=float), LOOKING_DOWN)
+        X_WC = Pose(np.asarray(p_WC, dtype=float), POINTING_DOWN)
         return cls(X_WC, f, (0.5 * width - 0.5, 0.5 * height - 0.5), width, height)
 
     def scaled(self, width: int) -> PinholeCamera:

@@ -18,6 +18,8 @@ Array = npt.NDArray[np.float64]
 
 IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
 """No turn, as a quaternion wxyz."""
+POINTING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])
+"""Half a turn about x, as a quaternion wxyz: a tool's or camera's z axis points down, its x axis stays."""
 
 _AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 """The unit vectors x, y and z."""

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pack_core.camera import LOOKING_DOWN
 from pack_core.joints import JointSample
 from pack_core.robots.kr210 import LIMITS
-from pack_core.rotations import Array, Pose, exp, from_yaw, multiply, rotate
+from pack_core.rotations import POINTING_DOWN, Array, Pose, exp, from_yaw, multiply, rotate
 from pack_core.tasks.steps import Steps
 from pallet_calibration.rig import CalibrationFailed, CalibrationRig, TouchInterrupted
 
@@ -218,4 +217,4 @@ def from_side(p_W: Array, normal: Array, half: float) -> tuple[Pose, Array, Arra
 
 def rotated_down(yaw: float) -> Array:
     """Orientation wxyz of a tool that points down, its x axis at a yaw [rad]."""
-    return multiply(from_yaw(yaw), LOOKING_DOWN)
+    return multiply(from_yaw(yaw), POINTING_DOWN)

@@ -14,8 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from pack_core.palletizing.orders.handling import PERMUTATIONS, BundlingAxis, OrientId
-from pack_core.rotations import Array, conjugate, from_rpy, multiply, to_matrix
-from pallet_fsm.tool_poses import LOOKING_DOWN
+from pack_core.rotations import POINTING_DOWN, Array, conjugate, from_rpy, multiply, to_matrix
 
 QUARTER = np.pi / 2.0
 EULER: dict[OrientId, tuple[float, float, float]] = {
@@ -48,4 +47,4 @@ def printed_orientation(orient_id: OrientId, axis: BundlingAxis) -> Array | None
     """
     if axis != "z" or printed_extents(orient_id) != PERMUTATIONS[orient_id]:
         return None
-    return np.asarray(multiply(printed_turn(orient_id), LOOKING_DOWN))
+    return np.asarray(multiply(printed_turn(orient_id), POINTING_DOWN))

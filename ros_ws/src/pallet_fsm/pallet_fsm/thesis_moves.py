@@ -6,14 +6,13 @@ import numpy as np
 
 from pack_core.motion.moves import Line, Mode, Path, PoseMove
 from pack_core.palletizing.orders.handling import Handling
-from pack_core.rotations import Array, Pose, angle_between
+from pack_core.rotations import POINTING_DOWN, Array, Pose, angle_between
 from pallet_fsm.goals import Goals, Leg
 from pallet_fsm.order_book import WorkItem
 from pallet_fsm.palletizer_config import ThesisConfig
 from pallet_fsm.printed_orientations import printed_orientation
 from pallet_fsm.states import ROWS, Shape, State
 from pallet_fsm.targets import Situation, ToolTarget, targets_of
-from pallet_fsm.tool_poses import LOOKING_DOWN
 
 FROM_ABOVE = (State.ABOVE_BOX, State.GRASP, State.RISE, State.ABOVE_TABLE, State.REGRASP)
 """States in which the tool comes down on a box, or turns to come down on it."""
@@ -31,11 +30,11 @@ def wanted_orientation(state: State, item: WorkItem | None) -> Array | None:
     On the way to the pallet it is that of the box's id where that works from above, else the same (Sec. 5.3).
     """
     if state in FROM_ABOVE:
-        return LOOKING_DOWN
+        return POINTING_DOWN
     if item is None or state not in (*STANDING_UP, *TO_PLACE):
         return None
     if state in TO_PLACE and item.handling is not Handling.FLIP:
-        return LOOKING_DOWN
+        return POINTING_DOWN
     return printed_orientation(item.box.orient_id, item.box.bundling_axis)
 
 

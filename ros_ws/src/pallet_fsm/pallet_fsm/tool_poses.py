@@ -15,7 +15,17 @@ from pack_core.motion.moves import DOWN
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.order import OrderBox
 from pack_core.palletizing.orders.placed_box import PlacedBox
-from pack_core.rotations import Array, Pose, angle_between, from_matrix, from_yaw, multiply, rotate, to_matrix
+from pack_core.rotations import (
+    POINTING_DOWN,
+    Array,
+    Pose,
+    angle_between,
+    from_matrix,
+    from_yaw,
+    multiply,
+    rotate,
+    to_matrix,
+)
 from pallet_fsm.palletizer_config import ToolPoseConfig
 
 EQUAL = 1e-6
@@ -56,10 +66,6 @@ def points_along(X_WT: Pose, direction: Array) -> bool:
     return float(rotate(X_WT.q, np.array([0.0, 0.0, 1.0])) @ direction) > ALONG
 
 
-LOOKING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])
-"""q_WT, wxyz, of a tool that points down with its x axis along the world's: half a turn about x."""
-
-
 @dataclass(frozen=True)
 class Stand:
     """A box stood up at the table's edge: its pose when let go, the tool's, the approach direction."""
@@ -74,7 +80,7 @@ def grasps(X_WB: Pose, dims: Array, config: ToolPoseConfig) -> list[Pose]:
     heights = np.abs(to_matrix(X_WB.q)) @ dims
     p_WT = X_WB.p + np.array([0.0, 0.0, heights[2] / 2.0 + config.pad_gap])
     yaw = _level_yaw(X_WB)
-    return [Pose(p_WT, multiply(from_yaw(yaw + n * np.pi / 2), LOOKING_DOWN)) for n in range(4)]
+    return [Pose(p_WT, multiply(from_yaw(yaw + n * np.pi / 2), POINTING_DOWN)) for n in range(4)]
 
 
 def placements(

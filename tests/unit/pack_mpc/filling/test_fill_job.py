@@ -10,10 +10,9 @@ import pytest
 from pack_core.joints import JointSample, Setpoints
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.goals import Arrangement, PackingExitReason
-from pack_core.packing.model import UPSIDE_DOWN
 from pack_core.packing.objects import Box
 from pack_core.packing.packing_list import PackingList
-from pack_core.rotations import Array, Pose, exp
+from pack_core.rotations import POINTING_DOWN, Array, Pose, exp
 from pack_core.states import ObjectState, SceneState
 from pack_mpc.filling.fill_config import FillConfig
 from pack_mpc.filling.fill_job import FillJob
@@ -35,7 +34,7 @@ CARTON = Box(name="carton", shape="box", size=(0.09, 0.06, 0.1), mass=0.3)
 LIST = PackingList(objects=[CARTON])
 PLACE = Pose(np.array([0.5, 0.0, 0.05]))
 ARM, HOME = ToolArm(CELL), np.array(CELL.robot.home)
-HANGING = Pose(np.array([0.0, 0.0, 0.05]), np.array(UPSIDE_DOWN))
+HANGING = Pose(np.array([0.0, 0.0, 0.05]), POINTING_DOWN)
 """Pose X_TN of the carton in the cup while it is packed."""
 LEANING = np.array([0.0, np.deg2rad(18.0), 0.0])
 """More than the tilt at which an object is let go [rad]."""

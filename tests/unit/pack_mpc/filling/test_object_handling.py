@@ -8,10 +8,9 @@ import pytest
 from pack_core.joints import JointSample
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.free_space import base_height
-from pack_core.packing.model import UPSIDE_DOWN
 from pack_core.packing.objects import Box
 from pack_core.packing.packing_list import PackingList
-from pack_core.rotations import Pose, angle_between, exp, multiply, rotate
+from pack_core.rotations import POINTING_DOWN, Pose, angle_between, exp, multiply, rotate
 from pack_core.states import ObjectState, SceneState
 from pack_core.tasks.steps import TaskRun
 from pack_mpc.filling.cup_moves import CupMoves
@@ -24,7 +23,7 @@ CELL, CONFIG = packing_cell(), FillConfig()
 BROAD = Box(name="broad", shape="box", size=(0.158, 0.06, 0.21), mass=0.4)
 SCENE = PackingList(objects=[BROAD]).start(CELL)
 HOME = np.array(CELL.robot.home)
-GRIP = Pose(np.array([0.0, 0.0, 0.105]), np.array(UPSIDE_DOWN))
+GRIP = Pose(np.array([0.0, 0.0, 0.105]), POINTING_DOWN)
 """Pose X_TN of the held object in the cup."""
 
 
@@ -57,7 +56,7 @@ def follow(handling: ObjectHandling, moves: CupMoves, q: np.ndarray) -> tuple[li
 def leaning(tilt_deg: float, heading: float) -> np.ndarray:
     """Orientation q_WT of the cup with an object that leans about the horizontal axis at a heading [rad]."""
     axis = np.array([np.cos(heading), np.sin(heading), 0.0])
-    return multiply(exp(np.deg2rad(tilt_deg) * axis), np.array(UPSIDE_DOWN))
+    return multiply(exp(np.deg2rad(tilt_deg) * axis), POINTING_DOWN)
 
 
 @pytest.mark.parametrize("tilt_deg", [0.0, 30.0, 50.0])

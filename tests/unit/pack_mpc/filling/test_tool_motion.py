@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from pack_core.packing.cell import packing_cell
-from pack_core.packing.model import UPSIDE_DOWN
-from pack_core.rotations import Array, angle_between, from_yaw, multiply
+from pack_core.rotations import POINTING_DOWN, Array, angle_between, from_yaw, multiply
 from pack_mpc.filling.fill_config import FillConfig
 from pack_mpc.filling.tool_motion import PERIOD, CupMotion, CupPace, ToolArm, lines
 
@@ -15,7 +14,7 @@ CELL, CONFIG = packing_cell(), FillConfig()
 ARM, LIMITS = ToolArm(CELL), CELL.robot.arm.limits
 HOME = np.array(CELL.robot.home)
 WAYS = [np.array([0.0, 0.0, -0.1]), np.array([-0.08, -0.3, 0.0]), np.array([0.0, 0.0, -0.15])]
-DOWN = multiply(from_yaw(0.3), np.array(UPSIDE_DOWN))
+DOWN = multiply(from_yaw(0.3), POINTING_DOWN)
 
 
 def planned(
@@ -25,7 +24,7 @@ def planned(
     return ARM.plan(q, 2.0, lines(ARM.cup(q), [np.array(way) for way in ways], pace, CONFIG, q_WT))
 
 
-@pytest.mark.parametrize("q_WT", [None, DOWN, multiply(from_yaw(2.0), np.array(UPSIDE_DOWN))])
+@pytest.mark.parametrize("q_WT", [None, DOWN, multiply(from_yaw(2.0), POINTING_DOWN)])
 def test_a_motion_ends_where_its_ways_add_up_to_and_as_it_is_turned(q_WT: Array | None) -> None:
     motion = planned(*WAYS, q_WT=q_WT)
     start, end = ARM.cup(HOME), ARM.cup(motion.q[-1])

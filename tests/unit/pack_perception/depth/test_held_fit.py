@@ -4,15 +4,14 @@ import numpy as np
 import pytest
 
 from pack_core.packing.cell import packing_cell
-from pack_core.packing.model import UPSIDE_DOWN
 from pack_core.packing.objects import Box, Cylinder
-from pack_core.rotations import Array, Pose, angle_between, exp, from_yaw, multiply
+from pack_core.rotations import POINTING_DOWN, Array, Pose, angle_between, exp, from_yaw, multiply
 from pack_perception.depth.held_fit import HeldShape, held_shape
 from pack_perception.perception_config import DepthConfig
 
 CELL = packing_cell()
 TOLD = CELL.scene.new_object
-X_WT = Pose(np.array([0.5, 0.0, 0.45]), np.array(UPSIDE_DOWN))
+X_WT = Pose(np.array([0.5, 0.0, 0.45]), POINTING_DOWN)
 """The cup over the container, its z axis down."""
 TILT = multiply(exp(np.array([0.02, -0.01, 0.0])), from_yaw(0.2))
 BENEATH = np.array([[0.5 + 0.001 * i, 0.002 * j, 0.15] for i in range(-40, 40) for j in range(-20, 20)])

@@ -12,10 +12,9 @@ import numpy.typing as npt
 from pack_core.joints import JointSample, Setpoints
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.markers import MarkerFrame
-from pack_core.packing.model import UPSIDE_DOWN
 from pack_core.packing.scene import Scene
 from pack_core.robots.panda import PANDA
-from pack_core.rotations import Array, Pose, conjugate, from_yaw, log, multiply
+from pack_core.rotations import POINTING_DOWN, Array, Pose, conjugate, from_yaw, log, multiply
 from pack_core.states import SceneState
 from pack_sim.packing.simulator import Simulator, SimulatorConfig
 
@@ -104,7 +103,7 @@ def _joint_path(model: mujoco.MjModel, times: Array) -> Array:
     q, path, J = np.array(packing_cell().robot.home), [], np.empty((6, model.nv))
     for time in times:
         x, y, z, yaw = (np.interp(time, WAYPOINTS[:, 0], column) for column in WAYPOINTS[:, 1:].T)
-        q_WT = multiply(from_yaw(yaw), UPSIDE_DOWN)
+        q_WT = multiply(from_yaw(yaw), POINTING_DOWN)
         for _ in range(20):
             data.qpos[first : first + 7] = q
             mujoco.mj_kinematics(model, data)

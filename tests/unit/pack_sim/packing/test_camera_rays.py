@@ -4,9 +4,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from pack_core.camera import LOOKING_DOWN, PinholeCamera, looking_at
+from pack_core.camera import PinholeCamera, looking_at
 from pack_core.errors import PackError
-from pack_core.rotations import Array, Pose, rotate
+from pack_core.rotations import POINTING_DOWN, Array, Pose, rotate
 from pack_sim.packing.camera_rays import REACH, CameraRays, RayImage
 
 FLOOR = '<geom name="floor" type="plane" size="5 5 1"/>'
@@ -137,7 +137,7 @@ def test_an_oblique_plane_has_the_depths_of_its_equation() -> None:
 
 def test_a_sphere_has_the_depths_of_its_equation() -> None:
     r, z = 0.1, 0.6
-    camera = PinholeCamera(Pose(np.array([0.0, 0.0, z]), LOOKING_DOWN), 200.0, (39.5, 29.5), 80, 60)
+    camera = PinholeCamera(Pose(np.array([0.0, 0.0, z]), POINTING_DOWN), 200.0, (39.5, 29.5), 80, 60)
     image = CameraRays(camera).cast(*world(f'<geom type="sphere" size="{r}"/>'))
     v, u = np.indices(image.depth.shape)
     x, y = (u - 39.5) / 200.0, (v - 29.5) / 200.0

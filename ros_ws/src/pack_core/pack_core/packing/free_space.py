@@ -15,6 +15,7 @@ import shapely
 
 from pack_core.errors import PackError
 from pack_core.hull import hull_of
+from pack_core.no_fit import no_fit_polygon
 from pack_core.packing.scene import Container, Scene
 from pack_core.packing.scene_item import SceneItem
 from pack_core.rotations import Array, Pose, from_yaw
@@ -59,7 +60,9 @@ def free_places(
     lower, upper = container.lower - reach[0], container.upper - reach[1]
     if np.any(lower > upper):
         return shapely.Polygon()
-    return shapely.box(*lower, *upper).difference(shapely.union_all(_minkowski_sums(taken, outline)))
+    corners = shapely.get_coordinates(outline)
+    met = [no_fit_polygon(shapely.get_coordinates(other), corners) for other in taken]
+    return shapely.box(*lower, *upper).difference(shapely.union_all(met))
 
 
 def is_blocked(scene: Scene) -> bool:
@@ -85,14 +88,6 @@ def is_packed(scene: Scene, X_WO: Pose) -> bool:
     """Whether an object's centre is between the walls and below their rim (section II)."""
     lower, upper = scene.container.lower, scene.container.upper
     return bool(np.all((X_WO.p[:2] > lower) & (X_WO.p[:2] < upper)) and X_WO.p[2] < scene.container.height)
-
-
-def _minkowski_sums(taken: list[shapely.Polygon], outline: shapely.Polygon) -> list[shapely.Polygon]:
-    """Places of the centre at which `outline` meets each of `taken`: Minkowski sums `other + (-outline)`."""
-    corners = shapely.get_coordinates(outline)[None]
-    # all outlines are convex, so the hull of the corners' differences is the whole sum
-    sums = [shapely.get_coordinates(other)[:, None] - corners for other in taken]
-    return [shapely.MultiPoint(places.reshape(-1, 2)).convex_hull for places in sums]
 
 
 def fitting_yaws(item: SceneItem, container: Container, yaw: float) -> Array:

@@ -20,7 +20,7 @@ from pack_core.packing.scene_item import SceneItem
 from pack_core.robots.arm_drive import add_motors, add_servos, make_heavy
 from pack_core.robots.pump import add_pump
 from pack_core.robots.urdf import DescribedRobot
-from pack_core.rotations import Array, Pose, conjugate, multiply, rotate
+from pack_core.rotations import POINTING_DOWN, Array, Pose, conjugate, multiply, rotate
 
 TIP_FORCE = "tip_force"
 TIP_TORQUE = "tip_torque"
@@ -28,8 +28,6 @@ HELD_POSITION = "held_position"
 HELD_X_AXIS = "held_x_axis"
 HELD_Z_AXIS = "held_z_axis"
 WALLS = ("wall_left", "wall_right", "wall_near", "wall_far")
-UPSIDE_DOWN = (0.0, 1.0, 0.0, 0.0)
-"""Half a turn about x as a quaternion wxyz: the cup's z axis points down, the held object's points up."""
 STEERING_STIFFNESS = np.array([1000.0, 1000.0, 1000.0, 30.0, 30.0, 30.0])
 """[N/m] and [N m/rad]: what the driver's joint servos give the held object, within a factor of two."""
 STEERING_DAMPING = np.array([80.0, 80.0, 80.0, 1.5, 1.5, 1.5])
@@ -128,7 +126,7 @@ def held_pose(scene: Scene) -> Pose:
     """X_TN of the held new object N on the cup T; unless told, it hangs upright by the middle of its top."""
     if scene.grip is not None:
         return scene.grip.to_pose()
-    return Pose(np.array([0.0, 0.0, scene.new_object.half_extents[2]]), np.array(UPSIDE_DOWN))
+    return Pose(np.array([0.0, 0.0, scene.new_object.half_extents[2]]), POINTING_DOWN)
 
 
 def cup_point(scene: Scene) -> Array:
@@ -327,7 +325,7 @@ def fixed_frames(cell: PackingCell, container: Container) -> dict[str, tuple[str
         "table": ("world", here),
         "container": ("world", Pose(np.array([*container.centre, 0.0]))),
         "cup": ("tool", here),
-        "tip": ("tool", Pose(np.zeros(3), np.array(UPSIDE_DOWN))),
+        "tip": ("tool", Pose(np.zeros(3), POINTING_DOWN)),
     }
     if cell.perception is Perception.DEPTH:
         for name, camera in zip(cell.depth.names, cell.depth.cameras(), strict=True):

@@ -12,10 +12,9 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
-from pack_core.camera import LOOKING_DOWN
 from pack_core.config import Config
 from pack_core.palletizing.imperfections import NOWHERE, Displacement
-from pack_core.rotations import Array, Pose, from_yaw, multiply
+from pack_core.rotations import POINTING_DOWN, Array, Pose, from_yaw, multiply
 
 
 class ScannerMount(Config):
@@ -35,7 +34,7 @@ class ScannerMount(Config):
     def X_WS(self, middle: Array) -> Pose:
         """Where it is, of a place whose middle is `(3,)` [m]."""
         p_WS = np.array([*middle[:2], self.height])
-        level = Pose(p_WS, multiply(from_yaw(np.deg2rad(self.turn_deg)), LOOKING_DOWN))
+        level = Pose(p_WS, multiply(from_yaw(np.deg2rad(self.turn_deg)), POINTING_DOWN))
         return self.displacement.applied(level, p_WS)
 
     def rays(self, middle: Array, size: tuple[float, float]) -> Array:

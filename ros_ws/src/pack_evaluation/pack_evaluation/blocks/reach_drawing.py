@@ -20,6 +20,7 @@ from shapely.geometry.base import BaseGeometry
 from pack_core.blocks.plan import Plan, Push
 from pack_core.blocks.planar import QUARTER, PlanarPose
 from pack_core.blocks.problem import Problem
+from pack_core.no_fit import no_fit_polygon
 from pack_evaluation.blocks.plan_drawing import CARRY, PAPER, PUSH, draw_table
 from pack_evaluation.figures import INK
 
@@ -110,14 +111,10 @@ def _free_centres(
     turned = PlanarPose(0.0, 0.0, yaw)
     shapes = [_at(_box(problem, block, problem.gripper.block_margin), turned)]
     shapes += [_at(finger, turned) for finger in _fingers(problem, block, grasp)]
-    hit = shapely.union_all([_minkowski(other, shape) for other in blocks for shape in shapes])
+    hit = shapely.union_all([
+        no_fit_polygon(*map(shapely.get_coordinates, (other, shape))) for other in blocks for shape in shapes
+    ])  # fmt: skip
     return _inset(problem, _at(_box(problem, block, 0.0), turned)).difference(hit)
-
-
-def _minkowski(block: shapely.Polygon, shape: shapely.Polygon) -> BaseGeometry:
-    """Where the shape's origin must not be, so that the shape keeps clear of the block."""
-    a, b = np.array(block.exterior.coords), np.array(shape.exterior.coords)
-    return shapely.MultiPoint((a[:, None] - b).reshape(-1, 2)).convex_hull
 
 
 def _inset(problem: Problem, shape: shapely.Polygon) -> BaseGeometry:

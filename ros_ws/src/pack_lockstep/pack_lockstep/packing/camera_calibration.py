@@ -17,11 +17,10 @@ from pack_core.errors import MessageError
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.depth import points_of
 from pack_core.packing.depth_calibration import DepthCalibration, FoundCamera
-from pack_core.packing.model import UPSIDE_DOWN
 from pack_core.packing.packing_list import handed_over
 from pack_core.packing.scene import Scene
 from pack_core.pose_config import PoseConfig
-from pack_core.rotations import Array, Pose, exp, from_yaw, multiply
+from pack_core.rotations import POINTING_DOWN, Array, Pose, exp, from_yaw, multiply
 from pack_core.states import SceneState
 from pack_core.tasks.steps import Steps, TaskRun
 from pack_lockstep.packing.lockstep_config import LockstepConfig
@@ -177,7 +176,7 @@ class CameraCalibrationRun:
             self._simulator.step()
 
     def _visit(self, places: Sequence[Pose], on_view: Callable[[int], None]) -> Steps[None]:
-        upright = multiply(from_yaw(self._moves.arm.home_heading), np.array(UPSIDE_DOWN))
+        upright = multiply(from_yaw(self._moves.arm.home_heading), POINTING_DOWN)
         for place in places:
             way = place.p - self._moves.cup.p
             yield from self._moves.move(

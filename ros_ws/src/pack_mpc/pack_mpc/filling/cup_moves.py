@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.model import UPSIDE_DOWN
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_item import SceneItem
-from pack_core.rotations import Array, Pose, from_yaw, multiply, yaw_of
+from pack_core.rotations import POINTING_DOWN, Array, Pose, from_yaw, multiply, yaw_of
 from pack_core.tasks.steps import Steps
 from pack_mpc.filling.fill_config import FillConfig
 from pack_mpc.filling.requests import FillCommand, FillPort, Until
@@ -50,7 +49,7 @@ class CupMoves:
         X_WT, config = self.cup, self._config
         # near the home heading, so that the last joint can turn either way afterwards
         yaw = nearest_heading(item, yaw_of(X_WN.q), self.arm.home_heading)
-        q_WT = multiply(from_yaw(yaw), np.array(UPSIDE_DOWN))
+        q_WT = multiply(from_yaw(yaw), POINTING_DOWN)
         top = float(X_WN.p[2] + item.half_extents[2])
         goal = np.array([*X_WN.p[:2], top + config.approach])
         across = np.array([*(goal[:2] - X_WT.p[:2]), 0.0])

@@ -13,9 +13,8 @@ from pack_core.kinematics.chain import chain_from_model
 from pack_core.kinematics.redundant_follower import RedundantFollower
 from pack_core.motion.moves import Line
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.model import UPSIDE_DOWN
 from pack_core.robots.pump import add_pump
-from pack_core.rotations import Array, Pose, conjugate, exp, log, multiply, yaw_of
+from pack_core.rotations import POINTING_DOWN, Array, Pose, conjugate, exp, log, multiply, yaw_of
 from pack_motion.reference.curve import JERK_TIME, RADIUS, SHORTEST, CurveSegment, curve_segments
 from pack_motion.reference.joint_move import MoveLimits
 from pack_motion.reference.line_run import LineRefused, line_run
@@ -126,7 +125,7 @@ class ToolArm:
     @property
     def home_heading(self) -> float:
         """Heading of the cup, turned upright, at the arm's home pose [rad]."""
-        return yaw_of(multiply(self.cup(self._home).q, np.array(UPSIDE_DOWN)))
+        return yaw_of(multiply(self.cup(self._home).q, POINTING_DOWN))
 
     def plan(self, q: Array, start: float, path: Sequence[Line]) -> CupMotion:
         """The motion along a path, as far as the arm can follow it.

@@ -15,17 +15,16 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from pack_core.camera import PinholeCamera
-from pack_core.packing.model import UPSIDE_DOWN
 from pack_core.packing.objects import Box, Cylinder, ObjectModel
 from pack_core.packing.scene_item import SceneItem
 from pack_core.packing.seen_deviations import SeenDeviations
-from pack_core.rotations import Array, Pose, exp, from_yaw, multiply, rotate
+from pack_core.rotations import POINTING_DOWN, Array, Pose, exp, from_yaw, multiply, rotate
 from pack_perception.depth.height_map import Labels
 from pack_perception.depth.seen_region import DIRECTIONS
 from pack_perception.depth.shape_making import CONVERGED, SCALE, axes_of, mesh_of, tightest
 from pack_perception.perception_config import DepthConfig, HeldFitConfig, ShapeFitConfig
 
-X_TS = Pose(np.zeros(3), np.array(UPSIDE_DOWN))
+X_TS = Pose(np.zeros(3), POINTING_DOWN)
 """The cup's z axis points down."""
 LAYER = 0.005
 """Height of the layers in which points are counted, and of those of a hull [m]."""

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
+from pack_core.no_fit import no_fit_polygon
 from pack_core.packing.free_space import footprint
 from pack_core.packing.scene import Container
 from pack_core.packing.scene_item import SceneItem
@@ -80,10 +81,8 @@ class NoFitPolygons:
         """Places of the centre of `outline` at which it is too near to a placed one."""
         pair = (placed.outline, outline)
         if (corners := self._known.get(pair)) is None:
-            # both are convex, so the hull of the corners' differences is the whole Minkowski sum
-            differences = (placed.outline.corners[:, None] - outline.corners[None]).reshape(-1, 2)
-            hull = shapely.MultiPoint(differences).convex_hull.buffer(self._gap, quad_segs=2)
-            corners = self._known[pair] = shapely.get_coordinates(hull.simplify(COARSE / 2))
+            met = no_fit_polygon(placed.outline.corners, outline.corners).buffer(self._gap, quad_segs=2)
+            corners = self._known[pair] = shapely.get_coordinates(met.simplify(COARSE / 2))
         return shapely.Polygon(corners + placed.xy)
 
 

@@ -17,7 +17,7 @@ from pack_core.palletizing.orders.layout_plan import Insertion
 from pack_core.palletizing.orders.order import OrderPallet
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.robots.kr210 import LIMITS
-from pack_core.rotations import Array, Pose, to_matrix
+from pack_core.rotations import POINTING_DOWN, Array, Pose, to_matrix
 from pack_motion.arm.arm import load_arm
 from pack_motion.arm.bodies import BodyBoxes
 from pack_motion.clearance.check import ClearanceCheck, Surrounding
@@ -32,8 +32,6 @@ ROUNDING = 1e-6
 """By which a gap may be smaller than at the place [m]."""
 CLEAR = 0.005
 """Least distance of the gripper from boxes that stand [m]: what a box of the pad's width leaves."""
-LOOKING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])
-"""q_PT, wxyz, of a tool that points down: half a turn about x. Joint 6 turns it about the vertical."""
 
 
 class PlaceReach:
@@ -96,7 +94,7 @@ class PlaceReach:
         return any(all(self._reaches(point, is_clear) for point in way) for way in ways)
 
     def _reaches(self, p_PT: Array, is_clear: Callable[[Array], bool]) -> bool:
-        found = arm_kinematics().inverse.solve(self._X_WP @ Pose(p_PT, LOOKING_DOWN))
+        found = arm_kinematics().inverse.solve(self._X_WP @ Pose(p_PT, POINTING_DOWN))
         within = (q for q in found.values() if np.all((q >= LIMITS.lower) & (q <= LIMITS.upper)))
         return any(is_clear(q[None]) for q in within)
 
@@ -112,7 +110,7 @@ def _corners(hand: BodyBoxes, chain: SerialChain) -> tuple[Array, Array]:
 
     The tool looks down; a quarter turn of it about the vertical changes nothing, as all is square.
     """
-    R_PT = to_matrix(LOOKING_DOWN)
+    R_PT = to_matrix(POINTING_DOWN)
     # Bodies are given where all joints are zero, and chain.R_WT and p_WT are the tool's pose there.
     centres = (hand.p - chain.p_WT) @ chain.R_WT @ R_PT.T
     half = np.einsum("ij,kjl,kl->ki", np.abs(R_PT @ chain.R_WT.T), np.abs(hand.R), hand.half)
