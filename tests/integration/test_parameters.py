@@ -184,9 +184,9 @@ def test_a_whole_number_may_stand_for_any_number(asking: Asking) -> None:
 @pytest.mark.parametrize(
     ("name", "value", "reason"),
     [
-        ("share", 0.0, "key 'share' is 0.0; allowed: Input should be greater than 0"),
+        ("share", 0.0, "key 'share' is 0.0; allowed: greater than 0"),
         ("share", "much", "key 'share' is 'much'; allowed: a number"),
-        ("steps", 9, "key 'steps' is 9; allowed: Input should be less than 9"),
+        ("steps", 9, "key 'steps' is 9; allowed: less than 9"),
         ("steps", 2.0, "key 'steps' is 2.0; allowed: a whole number"),
         ("at_start", 2, "'at_start' is read when the node starts"),
         ("use_sim_time", True, "'use_sim_time' is read when the node starts"),

@@ -33,7 +33,8 @@ def test_files_override_defaults() -> None:
     [
         ("heat: 180\nrakcs: 3", ["rakcs", "not known"]),
         ("racks: 3", ["heat", "missing"]),
-        ("heat: -5", ["heat", "-5", "greater than 0"]),
+        ("heat: -5", ["'heat' is -5; allowed: greater than 0"]),
+        ("heat: {low: 3}", ["'heat' is {'low': 3}; allowed: a valid number"]),
         ("heat: warm", ["heat", "warm", "number"]),
         ("heat: [", ["not readable as YAML"]),
         ("- heat", ["keys and values", "list"]),

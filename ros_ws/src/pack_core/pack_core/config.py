@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from pack_core.errors import ConfigError
-from pack_core.text.explanation import explanation
+from pack_core.text.explanation import Layer, explanation
 from pack_core.text.reader import read_text
 from pack_core.text.yaml_text import parse_yaml
 
@@ -94,8 +94,9 @@ def merged(values: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]
 
 
 def validate_config(
-    cls: type[C], data: Mapping[str, Any], source: str, text: str = "", folder: Path | None = None
-) -> C:
+    cls: type[C], data: Mapping[str, Any], source: str, text: str = "", folder: Path | None = None,
+    layers: Sequence[Layer] = (),
+) -> C:  # fmt: skip
     """Turn keys and values into a configuration class.
 
     Args:
@@ -104,8 +105,9 @@ def validate_config(
         source: names them in errors.
         text: the text that `data` was read from, for the numbers of lines; empty: from no single one.
         folder: where files are that the values name; None: they may name none.
+        layers: of `data`, what lies over the source, the uppermost first: errors name the one with the value.
     """
     try:
         return cls.model_validate(data, context={FOLDER: folder})
     except ValidationError as error:
-        raise ConfigError(explanation(error, cls, source, text)) from error
+        raise ConfigError(explanation(error, cls, source, text, data=data, layers=layers)) from error

@@ -9,14 +9,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Self, TypeVar
 
-from pydantic import Field
+import yaml
+from pydantic import Field, PrivateAttr
 
-from pack_core.config import Config, load_config, merged
+from pack_core.config import Config, merged, parse_config
 from pack_core.errors import ConfigError
 from pack_core.paths import config_path
+from pack_core.text.explanation import Layer
+from pack_core.text.reader import read_text
 
 P = TypeVar("P", bound="Preset")
 Section = dict[str, Any]
+OPTIONS = "options over the preset"
+"""Names in errors what a command's options put over a preset."""
 
 
 class Preset(Config):
@@ -29,6 +34,8 @@ class Preset(Config):
 
     base: str = ""
     cell: Section = Field(default_factory=dict)
+    _texts: tuple[tuple[str, str], ...] = PrivateAttr(default=())
+    """What the values come from, the uppermost first: name and text of files, and of `OPTIONS`."""
 
     @classmethod
     def sections(cls) -> tuple[str, ...]:
@@ -37,7 +44,18 @@ class Preset(Config):
 
     def over(self, section: str, values: Mapping[str, Any]) -> Self:
         """A copy of the preset in which `values` override one of its sections."""
-        return self.model_copy(update={section: merged(getattr(self, section), values)})
+        preset = self.model_copy(update={section: merged(getattr(self, section), values)})
+        preset._texts = ((OPTIONS, yaml.safe_dump({section: dict(values)})), *self._texts)
+        return preset
+
+    def layers(self, section: str) -> tuple[Layer, ...]:
+        """The files that a section's values come from, the uppermost first."""
+        return tuple(Layer(name, text, section, name != OPTIONS) for name, text in self._texts)
+
+    def place(self, section: str, key: str) -> str:
+        """Where a key of a section stands, for errors."""
+        places = (layer.place([key]) for layer in self.layers(section))
+        return next((place for place in places if place), "preset")
 
 
 def read_preset(cls: type[P], cell: str, name: str, above: tuple[str, ...] = ()) -> P:
@@ -59,8 +77,12 @@ def read_preset(cls: type[P], cell: str, name: str, above: tuple[str, ...] = ())
         known = ", ".join(sorted(item.stem for item in path.parent.glob("*.yaml")))
         wanted = f", the base of '{above[-1]}'" if above else ""
         raise ConfigError(f"no preset '{name}'{wanted}; allowed: {known} (files in {path.parent})")
-    preset = load_config(cls, path)
+    text = read_text(path)
+    preset = parse_config(cls, text, str(path), path.parent)
+    preset._texts = ((str(path), text),)
     if not preset.base:
         return preset
     base = read_preset(cls, cell, preset.base, (*above, name))
-    return preset.model_copy(update={s: merged(getattr(base, s), getattr(preset, s)) for s in cls.sections()})
+    both = preset.model_copy(update={s: merged(getattr(base, s), getattr(preset, s)) for s in cls.sections()})
+    both._texts = (*preset._texts, *base._texts)
+    return both

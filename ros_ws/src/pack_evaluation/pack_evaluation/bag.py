@@ -68,8 +68,12 @@ def read_bag(path: Path, topics: Collection[str] | None = None) -> Bag:
     Raises:
         BagError: the bag is missing, or nothing in it is readable.
     """
-    raw = read_raw_bag(path, topics)
-    messages = [decoded for item in raw.messages if (decoded := _decoded(item, raw)) is not None]
+    return decoded(read_raw_bag(path, topics))
+
+
+def decoded(raw: RawBag) -> Bag:
+    """The messages of a bag that was read, as Python objects."""
+    messages = [message for item in raw.messages if (message := _decoded(item, raw)) is not None]
     damaged = raw.damaged + len(raw.messages) - len(messages)
     return Bag(raw.path, tuple(messages), raw.is_cut, damaged, raw.notes)
 

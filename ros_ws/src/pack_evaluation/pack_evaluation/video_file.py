@@ -36,6 +36,7 @@ def write_video(
     video = imageio_ffmpeg.write_frames(
         path, size, fps=FPS, codec="libx264", quality=7, macro_block_size=4,
         output_params=["-preset", "veryfast"],
+        ffmpeg_log_level="fatal",  # after Ctrl-C it would tell of the frame that was cut off
     )  # fmt: skip
     with closing(video):
         video.send(None)

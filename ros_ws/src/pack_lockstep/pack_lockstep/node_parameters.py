@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
 from pydantic import BaseModel
@@ -11,12 +11,15 @@ from pack_core.config import merged, validate_config
 from pack_core.errors import ConfigError
 from pack_core.parameter_fields import nested
 from pack_core.paths import config_path
+from pack_core.text.explanation import Layer
 from pack_core.text.reader import load_yaml
 
 C = TypeVar("C", bound=BaseModel)
 
 
-def load_parameters(node: str, cls: type[C], over: Mapping[str, Any] | None = None) -> C:
+def load_parameters(
+    node: str, cls: type[C], over: Mapping[str, Any] | None = None, layers: Sequence[Layer] = ()
+) -> C:
     """The part of `config/nodes/<cell>/<node>.yaml` that belongs to a core's configuration class.
 
     Args:
@@ -24,6 +27,7 @@ def load_parameters(node: str, cls: type[C], over: Mapping[str, Any] | None = No
         cls: the class.
         over: values that override the file's, such as a preset's for this node; those of another core are
             passed over, as in the file.
+        layers: files that these values come from, the uppermost first, for errors.
 
     Raises:
         ConfigError: the file is missing, is not of this node, or has a value that is not allowed.
@@ -32,7 +36,7 @@ def load_parameters(node: str, cls: type[C], over: Mapping[str, Any] | None = No
     if over:
         parameters, source = merged(parameters, over), f"{source} with a preset"
     return validate_config(
-        cls, {key: parameters[key] for key in cls.model_fields if key in parameters}, source
+        cls, {key: parameters[key] for key in cls.model_fields if key in parameters}, source, layers=layers
     )
 
 

@@ -53,6 +53,22 @@ def test_h_is_help_of_every_command(call: Called, command: tuple[str, ...]) -> N
     assert "Usage: " in call(*command, "-h").stdout
 
 
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        (("demo", "blocks", "--real-time-factor", "-1"), "-1; allowed: greater than or equal to 0"),
+        (("play", "bag", "--rate", "fast"), "fast; allowed: a valid number"),
+    ],
+)
+def test_an_option_out_of_bounds_says_what_was_given_and_what_is_allowed(
+    call: Called, given: tuple[str, ...], words: str
+) -> None:
+    outcome = call(*given)
+    assert outcome.returncode == 2
+    said = " ".join(outcome.stderr.replace("│", " ").split())
+    assert f"Invalid value for '{given[2]}': {words}" in said
+
+
 @pytest.mark.parametrize("backend", ["osmesa", "spam"])
 def test_an_opengl_that_cannot_be_loaded_is_one_line_that_names_the_variable(backend: str) -> None:
     if find_library("OSMesa") and backend == "osmesa":

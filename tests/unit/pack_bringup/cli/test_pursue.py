@@ -8,7 +8,7 @@ import typer
 
 from pack_bringup.cli import pursue
 from pack_bringup.pace import Pace
-from pack_bringup.packing.goals import PackingJob
+from pack_bringup.packing.goals import PackingJob, packing_fill_job
 from pack_core.errors import BagError, PackError
 
 
@@ -49,6 +49,27 @@ def test_a_goal_that_failed_before_its_work_began_has_its_reason_and_no_word_of_
     said = capsys.readouterr().out
     assert "goal ended: failure, the cell is not calibrated\n" in said
     assert "recording" not in said
+
+
+def test_a_run_that_is_refused_leaves_no_folder_behind(tmp_path: Path) -> None:
+    job = PackingJob(folder=tmp_path / "run", preset="perfect")
+    with pytest.raises(PackError, match="no preset 'perfect'"):
+        pursue.run_live(job, video=True)
+    assert not job.folder.exists()
+    job.folder.mkdir()  # which is the user's own
+    with pytest.raises(PackError, match="no preset 'perfect'"):
+        pursue.run_live(job, video=True)
+    assert job.folder.exists()
+
+
+def test_a_list_whose_conditions_are_refused_leaves_no_folder_behind(tmp_path: Path) -> None:
+    missing = tmp_path / "calibration.yaml"
+    job = packing_fill_job(
+        0, None, folder=tmp_path / "run", preset="", real_time_factor=None, command="", calibration=missing
+    )
+    with pytest.raises(PackError, match="no such file"):
+        pursue.run_live(job, video=True)
+    assert not job.folder.exists()
 
 
 @pytest.mark.parametrize("here", [set(), {"sim", "perception", "planner", "mpc", "recorder"}])

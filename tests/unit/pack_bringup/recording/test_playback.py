@@ -2,10 +2,12 @@ from pathlib import Path
 
 import pytest
 
-from pack_bringup.recording.playback import TICK, load_playback
+from pack_bringup.cli.bag import info
+from pack_bringup.recording.playback import TICK, load_playback, stretch
 from pack_core import stamps
 from pack_core.errors import BagError
 from pack_core.packing import topics
+from pack_evaluation.raw_bag import read_raw_bag
 from unit.pack_evaluation.packing.messages import OUTCOME, GoalWriter
 
 
@@ -28,6 +30,15 @@ def test_everything_is_played_in_order_and_what_is_latched_before_the_start_at_o
     assert events == list(playback.messages)
     times = [message.time_ns for message in playback.messages]
     assert times == sorted(times)
+
+
+def test_pack_bag_info_tells_the_stretch_that_is_played(
+    bag: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    playback = load_playback(bag)
+    assert stretch(read_raw_bag(bag)) == (playback.start_ns, playback.end_ns)
+    info(bag)
+    assert f"{playback.duration:.3f} s of simulated time, from 2.000 s to 3.000 s" in capsys.readouterr().out
 
 
 def test_a_stretch_begins_and_ends_where_it_should_and_keeps_the_description(bag: Path) -> None:

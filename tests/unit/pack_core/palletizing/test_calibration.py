@@ -7,6 +7,7 @@ import pytest
 
 from pack_core.camera import LensDistortion
 from pack_core.errors import ConfigError
+from pack_core.packing.depth_calibration import DepthCalibration, load_depth_calibration
 from pack_core.palletizing.calibration import (
     CalibratedCamera,
     CellCalibration,
@@ -52,6 +53,21 @@ def test_a_calibrated_cell_has_everything_where_it_was_found() -> None:
     assert cell.camera.lens.k1 == -0.08
     assert cell.picking_table.displacement == FOUND.picking_table
     assert nominal.pallet.displacement.is_zero
+
+
+def test_a_calibration_of_the_other_cell_is_refused_in_one_sentence(tmp_path: Path) -> None:
+    path = tmp_path / "calibration.yaml"
+    FOUND.write(path)
+    with pytest.raises(
+        ConfigError, match=r"a calibration of the palletizing cell; expected .* packing cell"
+    ) as one:
+        load_depth_calibration(path)
+    DepthCalibration(preset="installed", described=(), cameras=(), simulated_s=1.0).write(path)
+    with pytest.raises(
+        ConfigError, match=r"a calibration of the packing cell; .*`pack calibrate palletizing`"
+    ) as other:
+        load_calibration(path)
+    assert "\n" not in str(one.value) + str(other.value)
 
 
 def test_a_calibration_of_another_preset_is_refused(tmp_path: Path) -> None:

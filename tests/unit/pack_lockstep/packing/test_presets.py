@@ -4,6 +4,7 @@ from unittest import mock
 
 import pytest
 
+from pack_bringup.packing.goals import preset_overrides
 from pack_core.errors import ConfigError
 from pack_core.packing.cell import packing_cell
 from pack_core.paths import config_path
@@ -62,6 +63,34 @@ def test_a_preset_lies_over_its_base(presets: Path) -> None:
     mocap = rougher.parameters("sim", SimulatorConfig).mocap
     assert (mocap.latency, mocap.rate) == (0.08, 50.0)
     assert rougher.parameters("mpc", SessionConfig).weights == "table_1"
+
+
+@pytest.mark.parametrize(
+    ("upper", "lower", "error"),
+    [
+        ("sim: {mocap: {rate: -1.0}}", "sim: {mocap: {latency: 0.05}}", r"upper.* line 2: key 'mocap\.rate'"),
+        ("sim: {mocap: {latency: 0.05}}", "sim: {mocap: {rate: -1.0}}", r"lower.* line 1: key 'mocap\.rate'"),
+        ("sim: {mocap: {rate: -1.0}}", "sim: {mocap: {rate: -2.0}}", r"upper.* key 'mocap\.rate' is -1"),
+        ("sim: {mocap: {speed: 1}}", "mpc: {weights: tuned}", r"upper.* line 2: key 'mocap\.speed' is not"),
+        ("mpc: {weights: tuned}", "sim: {moccap: {}}", r"lower\.yaml, line 1: 'sim' has no moccap"),
+        ("cell: {suction: {pull: -1}}", "cell: {suction: {shear: 9}}", r"upper.* key 'suction\.pull'"),
+        ("mpc: {weights: tuned}", "cell: {suction: {pull: -1}}", r"lower.* line 1: key 'suction\.pull'"),
+    ],
+)  # fmt: skip
+def test_an_error_names_the_preset_in_which_the_value_stands(
+    upper: str, lower: str, error: str, presets: Path
+) -> None:
+    (presets / "upper.yaml").write_text(f"base: lower\n{upper}")
+    (presets / "lower.yaml").write_text(lower)
+    with pytest.raises(ConfigError, match=error):
+        preset_overrides("upper")
+
+
+def test_a_wrong_value_that_an_option_puts_over_a_preset_is_not_told_of_its_file(presets: Path) -> None:
+    (presets / "rough.yaml").write_text("sim: {mocap: {rate: 50.0}}")
+    preset = load_preset("rough").over("sim", {"mocap": {"rate": -1.0}})
+    with pytest.raises(ConfigError, match=r"^options over the preset: key 'mocap\.rate'"):
+        lockstep_config(preset)
 
 
 def test_a_base_that_is_not_there_and_a_ring_are_refused(presets: Path) -> None:

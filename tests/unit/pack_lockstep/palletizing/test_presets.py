@@ -1,5 +1,7 @@
 """Presets of the palletizing cell: what each one changes."""
 
+from pathlib import Path
+
 import pytest
 
 from pack_core.errors import ConfigError
@@ -42,5 +44,25 @@ def test_a_parameter_that_no_core_knows_is_refused(tmp_path, monkeypatch) -> Non
     (tmp_path / "presets" / "palletizing").mkdir(parents=True)
     (tmp_path / "presets" / "palletizing" / "odd.yaml").write_text("fsm: {colour: red}")
     monkeypatch.setattr("pack_core.presets.config_path", lambda *parts: tmp_path.joinpath(*parts))
-    with pytest.raises(ConfigError, match="preset 'odd': 'fsm' has no colour; allowed: profile"):
+    with pytest.raises(ConfigError, match=r"odd\.yaml, line 1: 'fsm' has no colour; allowed: profile"):
         set_up(preset="odd")
+
+
+@pytest.mark.parametrize(
+    ("upper", "lower", "error"),
+    [
+        ("{}", "layout: {separator: {gap: -1.0}}", r"lower\.yaml, line 1: key 'separator\.gap' is -1\.0"),
+        ("cell: {scanners: {period: -1}}", "{}", r"upper\.yaml, line 2: key 'scanners\.period' is not known"),
+        ("cell: {pallet: {size: [0.1, -1]}}", "cell: {pallet: {size: [0.1, 0.2]}}", r"upper\.yaml, line 2: "),
+    ],
+)
+def test_an_error_names_the_preset_in_which_the_value_stands(
+    upper: str, lower: str, error: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "presets" / "palletizing"
+    folder.mkdir(parents=True)
+    (folder / "upper.yaml").write_text(f"base: lower\n{upper if upper != '{}' else ''}")
+    (folder / "lower.yaml").write_text(lower)
+    monkeypatch.setattr("pack_core.presets.config_path", lambda *parts: tmp_path.joinpath(*parts))
+    with pytest.raises(ConfigError, match=error):
+        set_up(preset="upper")

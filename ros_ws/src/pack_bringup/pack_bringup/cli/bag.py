@@ -24,14 +24,20 @@ def info(bag: BagPath) -> None:
 
     - `pack bag info bags/packing_20260101_120000_seed0`
     """
-    from pack_core import stamps
-    from pack_evaluation.bag import read_bag
+    from pack_bringup.recording.playback import stretch
+    from pack_core.stamps import to_seconds
+    from pack_evaluation.bag import decoded
+    from pack_evaluation.raw_bag import read_raw_bag
 
-    found = read_bag(bag)
-    times = [item.time_ns for item in found.messages]
+    raw = read_raw_bag(bag)
+    found = decoded(raw)
     counts = [(topic, str(count)) for topic, count in found.counts().items()]
     show_table(("topic", "messages"), counts, title=str(found.path))
-    typer.echo(f"{stamps.to_seconds(max(times, default=0)):.3f} s of simulated time, {len(times)} messages")
+    first, last = (to_seconds(time) for time in stretch(raw) or (0, 0))
+    typer.echo(
+        f"{last - first:.3f} s of simulated time, from {first:.3f} s to {last:.3f} s; "
+        f"{len(found.messages)} messages"
+    )
     if found.is_cut:
         typer.echo("the recording was cut off; all in front of the cut was read")
     if found.damaged:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import ctypes
 import os
 import sys
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from pack_bringup.cli import (
     bag,
@@ -29,9 +30,30 @@ from pack_bringup.cli.terminal import no_colours, notice
 from pack_bringup.robustness import commands as robustness
 from pack_core.cells import CELLS, optional_cell_part
 from pack_core.errors import ConfigError, PackError
+from pack_core.text.shown import on_one_line
+
+
+class Commands(TyperGroup):
+    """The commands of `pack`: a refused option says what was given and what is allowed."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run a command, whose options are read here."""
+        try:
+            return super().invoke(ctx)
+        except typer.BadParameter as error:
+            from pydantic import ValidationError
+
+            from pack_core.text.explanation import allowed_words
+
+            if isinstance(error.__cause__, ValidationError):
+                item = error.__cause__.errors(include_url=False)[0]
+                error.message = f"{on_one_line(str(item['input']))}; allowed: {allowed_words(item)}"
+            raise
+
 
 HELP_OPTIONS = {"help_option_names": ["-h", "--help"]}
 app = typer.Typer(
+    cls=Commands,
     context_settings=HELP_OPTIONS | ({"color": False} if no_colours() else {}),
     no_args_is_help=True,
     add_completion=False,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import signal
 from collections.abc import Callable
 from typing import Any, NoReturn
@@ -143,8 +144,12 @@ def run_nodes(
 
     Returns:
         The action's result, and whether the nodes kept up with the clock.
+
+    Raises:
+        PackError: as `run_live`; what is refused before a node is started leaves no folder behind.
     """
     prepare_network()
+    is_new = not job.folder.exists()
     make_output_folder(job.folder, taken_by=(BAG_FOLDER, RECORD, LOG, *taken_by))
     end_as_by_ctrl_c()
     if page:
@@ -155,6 +160,11 @@ def run_nodes(
     except KeyboardInterrupt:
         typer.echo(f"stopped; what was recorded is in {job.folder}")
         raise typer.Exit(130) from None
+    except PackError:
+        # Refused before a node was started: the log would be there otherwise.
+        if is_new and not (job.folder / LOG).exists():
+            shutil.rmtree(job.folder)
+        raise
     reason = getattr(result, "exit_reason", "success" if result.success else "failure")
     typer.echo(f"goal ended: {reason}" + (f", {result.message}" if result.message else ""))
     return result, pace

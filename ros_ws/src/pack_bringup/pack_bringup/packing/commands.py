@@ -149,7 +149,7 @@ def demo(
 
     if scene is not None:
         load_scene(scene, cell_of(preset))
-    folder = output or default_folder("packing", seed, datetime.now())
+    folder = output or default_folder("packing", seed, datetime.now(), preset)
     job: PackingJob
     if is_fill(fill, given, scene, method):
         from pack_bringup.packing.goals import packing_fill_job

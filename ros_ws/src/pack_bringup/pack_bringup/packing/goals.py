@@ -175,7 +175,20 @@ START = "start.yaml"
 
 @dataclass(frozen=True)
 class PackingFillJob(PackingFillGoal, PackingJob):
-    """What to run: the goal of a list, with the nodes that a job starts."""
+    """What to run: the goal of a list, with the nodes that a job starts.
+
+    Attributes:
+        start: text of the scene with which the simulator begins.
+    """
+
+    start: str = ""
+
+    def overrides(self) -> dict[str, dict[str, str]]:
+        """Parameters by node, as YAML text; the scene is written for the simulator to read."""
+        given = super().overrides()
+        self.folder.mkdir(parents=True, exist_ok=True)
+        (self.folder / START).write_text(self.start)
+        return given
 
 
 def packing_fill_job(
@@ -189,15 +202,11 @@ def packing_fill_job(
     """
     cell = cell_of(preset)
     listed = wanted_list(seed, given, cell)
-    start = folder / START
-    job = PackingFillJob(
-        seed, start, folder=folder, preset=preset, list_text=listed.to_yaml(),
-        real_time_factor=real_time_factor, command=command, calibration=calibration,
+    return PackingFillJob(
+        seed, folder / START, folder=folder, preset=preset, list_text=listed.to_yaml(),
+        start=listed.start(cell).to_yaml(), real_time_factor=real_time_factor, command=command,
+        calibration=calibration,
     )  # fmt: skip
-    job.overrides()  # what cannot be is refused before a folder is made
-    folder.mkdir(parents=True, exist_ok=True)
-    start.write_text(listed.start(cell).to_yaml())
-    return job
 
 
 def cell_of(preset: str) -> PackingCell:

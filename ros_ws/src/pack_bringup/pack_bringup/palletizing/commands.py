@@ -194,7 +194,7 @@ def demo(
 
     file = checked_order(order, profile)
     visitors_of(visitors, seed)
-    folder = output or default_folder("palletizing", seed, datetime.now())
+    folder = output or default_folder("palletizing", seed, datetime.now(), preset)
     job = PalletizingJob(
         file, seed, profile, folder=folder, real_time_factor=real_time_factor, command=command_line(),
         visitors=visitors, preset=preset, calibration=calibration,

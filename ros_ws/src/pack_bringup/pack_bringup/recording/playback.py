@@ -13,7 +13,7 @@ from pack_core import stamps
 from pack_core.bag_topic import Topic
 from pack_core.errors import BagError
 from pack_core.topics import CLOCK, CLOCK_RATE
-from pack_evaluation.raw_bag import RawMessage, read_raw_bag
+from pack_evaluation.raw_bag import RawBag, RawMessage, read_raw_bag
 
 TICK = stamps.to_ns(1.0 / CLOCK_RATE)
 """Between two ticks of a clock that is played [ns], as the simulator has it."""
@@ -65,6 +65,17 @@ class Playback:
                 yield tick
                 tick += TICK
             yield message
+
+
+def stretch(raw: RawBag) -> tuple[int, int] | None:
+    """From when to when a recording is played as a whole [ns]; None: it has nothing to play.
+
+    Latched messages from before, such as the cell's description, do not count.
+    """
+    topics = {name: topic for name, topic in raw.topics.items() if _is_played(topic)}
+    messages = [item for item in raw.messages if item.topic in topics]
+    first = _first(messages, topics, 0.0)
+    return None if first is None else (first, messages[-1].time_ns)
 
 
 def load_playback(

@@ -44,7 +44,9 @@ from pack_core.topics import CLOCK_RATE
 class RecorderConfig(Config):
     """Parameters of the recorder."""
 
-    path: str = Field(default="", description="the run's folder; empty: bags/<cell>_<date>_seed<seed>")
+    path: str = Field(
+        default="", description="the run's folder; empty: bags/<cell>_<date>_<preset>_seed<seed>"
+    )
     cell: str = Field(default="packing", description="the cell whose topics are recorded")
     record: Record = Field(default="goals", description="when to record: while goals run, always, or never")
     split_mb: float = Field(default=24.0, gt=0.0, description="size at which another file is begun [MB]")
@@ -56,7 +58,7 @@ class RecorderConfig(Config):
         default=False, description="end the node, and so the goal in progress, when recording fails"
     )
     seed: int | None = Field(default=None, description="the run's seed, for run.yaml")
-    preset: str = Field(default="", description="the conditions' name, for run.yaml")
+    preset: str = Field(default="", description="the conditions' name, for run.yaml and the folder")
     command: str = Field(default="", description="the command line that started the run, for run.yaml")
 
     @property
@@ -76,7 +78,7 @@ def begin_recording(config: RecorderConfig, namespace: str = ROOT) -> tuple[Path
         BagError: it cannot be made or written.
     """
     now, name = datetime.now(), config.cell + "_".join(namespace.rstrip("/").split("/"))
-    folder = Path(config.path) if config.path else default_folder(name, config.seed, now)
+    folder = Path(config.path) if config.path else default_folder(name, config.seed, now, config.preset)
     recorder = Recorder(
         folder / BAG_FOLDER, map(to_bag_topic, config.topics), message_types(),
         split_size=config.split_mb * 1e6, limit=config.limit_gb * 1e9,

@@ -49,9 +49,10 @@ def describe_run(cell: str, seed: int | None, command: str, now: datetime, prese
     )  # fmt: skip
 
 
-def default_folder(cell: str, seed: int | None, now: datetime) -> Path:
-    """The run's folder below bags/: cell, date and, where given, seed."""
-    suffix = "" if seed is None else f"_seed{seed}"
+def default_folder(cell: str, seed: int | None, now: datetime, preset: str = "") -> Path:
+    """The run's folder below bags/: cell, date and, where given, preset and seed."""
+    suffix = f"_{preset.replace('/', '_')}" if preset else ""
+    suffix += "" if seed is None else f"_seed{seed}"
     return bags_path() / f"{cell}_{now:%Y%m%d_%H%M%S}{suffix}"
 
 

@@ -17,6 +17,7 @@ from pack_core.paths import config_path
 from pack_core.robots.arm_drive import ArmDrive
 from pack_core.robots.pump import Pump
 from pack_core.rotations import Pose, from_yaw
+from pack_core.text.explanation import Layer
 from pack_core.text.limits import Share
 
 
@@ -148,11 +149,12 @@ class PackingCell(Config):
 
 
 @cache
-def packing_cell(over: str = "{}") -> PackingCell:
+def packing_cell(over: str = "{}", layers: tuple[Layer, ...] = ()) -> PackingCell:
     """The packing cell as configured.
 
     Args:
         over: YAML text whose keys override those of config/cells/packing.yaml.
+        layers: files that these come from, the uppermost first, for errors.
 
     Raises:
         ConfigError: a key or value is not allowed.
@@ -160,4 +162,4 @@ def packing_cell(over: str = "{}") -> PackingCell:
     path, source = config_path("cells", "packing.yaml"), "what lies over the packing cell"
     facts = merged(load_values(path), parse_values(over, source))
     given = str(path) if over == "{}" else f"{path} and {source}"
-    return validate_config(PackingCell, facts, given, folder=path.parent)
+    return validate_config(PackingCell, facts, given, folder=path.parent, layers=layers)

@@ -9,8 +9,9 @@ from typing import Self
 import yaml
 from pydantic import NonNegativeFloat, NonNegativeInt, model_validator
 
+from pack_core.calibration_file import load_calibration_of
 from pack_core.camera import PinholeCamera
-from pack_core.config import Config, load_config
+from pack_core.config import Config
 from pack_core.errors import ConfigError
 from pack_core.packing.depth import DepthCameras, Point
 from pack_core.pose_config import PoseConfig
@@ -81,4 +82,4 @@ class DepthCalibration(Config):
 
 def load_depth_calibration(path: Path) -> DepthCalibration:
     """Read a calibration file; raises ConfigError."""
-    return load_config(DepthCalibration, path)
+    return load_calibration_of("packing", DepthCalibration, path)

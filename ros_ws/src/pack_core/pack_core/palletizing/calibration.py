@@ -8,8 +8,9 @@ from pathlib import Path
 import yaml
 from pydantic import NonNegativeFloat
 
+from pack_core.calibration_file import load_calibration_of, parse_calibration_of
 from pack_core.camera import LensDistortion, PinholeCamera
-from pack_core.config import Config, load_config, parse_config
+from pack_core.config import Config
 from pack_core.errors import ConfigError
 from pack_core.palletizing.cell import PalletizingCell, palletizing_cell
 from pack_core.palletizing.imperfections import Displacement
@@ -101,12 +102,12 @@ class CellCalibration(Config):
 
 def parse_calibration(text: str, source: str) -> CellCalibration:
     """Read the text of a calibration file, which `source` names in errors; raises ConfigError."""
-    return parse_config(CellCalibration, text, source)
+    return parse_calibration_of("palletizing", CellCalibration, text, source)
 
 
 def load_calibration(path: Path) -> CellCalibration:
     """Read a calibration file; raises ConfigError."""
-    return load_config(CellCalibration, path)
+    return load_calibration_of("palletizing", CellCalibration, path)
 
 
 @dataclass(frozen=True)

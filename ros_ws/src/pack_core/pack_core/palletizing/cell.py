@@ -307,7 +307,8 @@ def _block(name: str, place: BoxTable | PalletPlace) -> Obstacle:
 def palletizing_cell(preset: str = "rigid") -> PalletizingCell:
     """The palletizing cell as configured, with the changes of a preset; raises ConfigError."""
     path = config_path("cells", "palletizing.yaml")
-    values = merged(load_values(path), palletizing_preset(preset).cell)
+    given = palletizing_preset(preset)
+    values = merged(load_values(path), given.cell)
     tool = gripper_tool(values.get("tool", {}), f"{path}, section tool")
-    given = f"{path} with the preset '{preset}'"
-    return validate_config(PalletizingCell, {**values, "tool": tool, "preset": preset}, given)
+    facts, source = {**values, "tool": tool, "preset": preset}, f"{path} with the preset '{preset}'"
+    return validate_config(PalletizingCell, facts, source, layers=given.layers("cell"))

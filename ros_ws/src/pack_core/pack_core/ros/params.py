@@ -25,6 +25,8 @@ from pack_core.parameter_fields import (
 
 C = TypeVar("C", bound=BaseModel)
 
+PLACES = "from its parameter file, a preset or --set"
+"""Where the values come from with which a node is started."""
 INTEGERS = (-(2**63), 2**63 - 1)
 """Least and greatest integer of a ROS parameter."""
 TYPES = {
@@ -57,12 +59,13 @@ class ParameterSet(Generic[C]):
 
     def __init__(self, node: Node, cls: type[C], on_change: Callable[[C], None] | None) -> None:
         self._class, self._on_change = cls, on_change
-        self._source = f"parameters of node '{node.get_name()}'"
+        self._source = f"parameters of node '{node.get_name()}' ({PLACES})"
         self.fields = {field.name: field for field in parameter_fields(cls)}
         assert on_change or not any(field.changeable for field in self.fields.values()), cls
         given = {name: plain(item.value) for name, item in node._parameter_overrides.items()}
         self._values = default_values(cls)
         self.config = self._validated({name: given[name] for name in self.fields if name in given})
+        self._source = f"parameters of node '{node.get_name()}'"  # whoever sets one now knows where
         for name, value in flat_values(self.config, cls).items():
             _declare(node, self.fields[name], value)
 

@@ -59,7 +59,7 @@ def _planners(changes: Mapping[str, Mapping[str, str]]) -> RearrangementConfig:
     planners = load_parameters("blocks/rearrangement", RearrangementConfig)
     if not changes:
         return planners
-    source = "parameters of the blocks planners"
+    source = "parameters of the blocks planners (--set, over config/nodes/blocks/rearrangement.yaml)"
     values = {
         planner: nested({name: parse_yaml(text, source) for name, text in parameters.items()})
         for planner, parameters in changes.items()

@@ -34,7 +34,7 @@ class PackingPreset(Preset):
 
     def packing_cell(self) -> PackingCell:
         """The packing cell with this preset's changes."""
-        return packing_cell(yaml.safe_dump(self.cell))
+        return packing_cell(yaml.safe_dump(self.cell), self.layers("cell"))
 
     def parameters(self, node: str, cls: type[C]) -> C:
         """A core's configuration: its node's parameter file with this preset's changes.
@@ -45,8 +45,9 @@ class PackingPreset(Preset):
         own: Section = getattr(self, node)
         if unknown := sorted(set(own) - set(cls.model_fields)):
             allowed = ", ".join(cls.model_fields)
-            raise ConfigError(f"preset: '{node}' has no {', '.join(unknown)}; allowed: {allowed}")
-        return load_parameters(f"packing/{node}", cls, own)
+            place = self.place(node, unknown[0])
+            raise ConfigError(f"{place}: '{node}' has no {', '.join(unknown)}; allowed: {allowed}")
+        return load_parameters(f"packing/{node}", cls, own, self.layers(node))
 
 
 def load_preset(name: str) -> PackingPreset:

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
+from pydantic import BaseModel
+
 from pack_core.config import Config
 from pack_core.errors import ConfigError
 from pack_core.palletizing.cell import palletizing_cell
@@ -22,6 +26,8 @@ from pack_sim.palletizing.simulator import PalletSimulatorConfig
 from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.shift_job import ShiftConfig
 from pallet_fsm.states import profile_of
+
+C = TypeVar("C", bound=BaseModel)
 
 
 class PalletSensorParameters(Config):
@@ -72,14 +78,20 @@ def checked_preset(name: str) -> PalletizingPreset:
         known = [field for cls in classes for field in cls.model_fields]
         if unknown := sorted(set(getattr(preset, node)) - set(known)):
             raise ConfigError(
-                f"preset '{name}': '{node}' has no {', '.join(unknown)}; allowed: {', '.join(known)}"
+                f"{preset.place(node, unknown[0])}: '{node}' has no {', '.join(unknown)}; allowed: "
+                f"{', '.join(known)}"
             )
     return preset
 
 
+def preset_parameters(preset: PalletizingPreset, node: str, cls: type[C]) -> C:
+    """A core's configuration: its node's parameter file with a preset's changes; raises ConfigError."""
+    return load_parameters(f"palletizing/{node}", cls, getattr(preset, node), preset.layers(node))
+
+
 def place_parameters(preset: str) -> OnlineConfig:
     """Where boxes of shifts go, as the nodes' configuration has it under a preset."""
-    return load_parameters("palletizing/layout", PlaceParameters, checked_preset(preset).layout).online
+    return preset_parameters(checked_preset(preset), "layout", PlaceParameters).online
 
 
 def set_up(
@@ -115,21 +127,21 @@ def set_up(
     motion_set(config.motion)
     name = f"{config.palletizer.profile} {config.motion} {preset} {'vision' if vision else 'noise'}"
     name += (f" {visitors}" if visitors else "") + ("" if config.simulator.has_limits else " unlimited")
-    layout = load_parameters("palletizing/layout", LayoutConfig, given.layout)
+    layout = preset_parameters(given, "layout", LayoutConfig)
     return PalletSetup(name, palletizing_cell(preset), config, layout, visitors)
 
 
 def _lockstep_config(preset: PalletizingPreset, *, vision: bool) -> PalletLockstepConfig:
     """The configuration of all nodes from `config/nodes`, with a preset's changes."""
-    sensors = load_parameters("palletizing/sim", PalletSensorParameters, preset.sim)
+    sensors = preset_parameters(preset, "sim", PalletSensorParameters)
     return PalletLockstepConfig(
-        motion=load_parameters("palletizing/motion", PalletMotionParameters, preset.motion).parameters,
-        palletizer=load_parameters("palletizing/fsm", PalletizerConfig, preset.fsm),
+        motion=preset_parameters(preset, "motion", PalletMotionParameters).parameters,
+        palletizer=preset_parameters(preset, "fsm", PalletizerConfig),
         sight=BoxFinderConfig(
             by="vision" if vision else "noise",
             camera=sensors.camera,
-            vision=load_parameters("palletizing/vision", VisionConfig, preset.vision),
+            vision=preset_parameters(preset, "vision", VisionConfig),
         ),
         scanner=sensors.scanner,
-        simulator=load_parameters("palletizing/sim", PalletSimulatorConfig, preset.sim),
+        simulator=preset_parameters(preset, "sim", PalletSimulatorConfig),
     )

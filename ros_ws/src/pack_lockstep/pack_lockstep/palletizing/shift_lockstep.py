@@ -16,13 +16,13 @@ from pack_core.palletizing.ports import AskPlace, Command, TakePallet
 from pack_core.palletizing.shift_journal import SETTLED, ShiftEvent
 from pack_core.rotations import Pose
 from pack_evaluation.palletizing.run import UnwantedTouch
-from pack_lockstep.node_parameters import load_parameters
 from pack_lockstep.palletizing.box_finder import BoxFinder, open_box_finder
 from pack_lockstep.palletizing.settings import (
     ArrivalParameters,
     ShiftParameters,
     checked_preset,
     place_parameters,
+    preset_parameters,
     set_up,
 )
 from pack_lockstep.palletizing.shift import BoxStreamConfig, ShiftSetup, shift_setup, stream_of
@@ -113,8 +113,8 @@ def shift_run_setup(
     """
     cell, preset = set_up(preset=PRESET, vision=False), checked_preset(PRESET)
     online = online or place_parameters(PRESET)
-    arrivals = arrivals or load_parameters("palletizing/sim", ArrivalParameters, preset.sim).arrivals
-    shift = load_parameters("palletizing/fsm", ShiftParameters, preset.fsm).shift
+    arrivals = arrivals or preset_parameters(preset, "sim", ArrivalParameters).arrivals
+    shift = preset_parameters(preset, "fsm", ShiftParameters).shift
     stream = stream or BoxStreamConfig()
     drawn = shift_setup(shipped_lists(), cell.cell, online, stream, cell.layout.insertion)
     return ShiftRunSetup(drawn, cell.config, shift, arrivals)

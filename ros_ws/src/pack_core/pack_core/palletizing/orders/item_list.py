@@ -25,6 +25,7 @@ from pack_core.palletizing.orders.order import (
 )
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.rotations import Array
+from pack_core.text.explanation import allowed_words
 from pack_core.text.json_text import parse_json
 from pack_core.text.limits import MOST_BOXES, MOST_CHARACTERS_OF_NAME, ArticleName
 from pack_core.text.reader import read_text
@@ -247,5 +248,4 @@ def _explained(place: str, problem: Any) -> str:
         return f"{place}: column '{key}' is not known; allowed: {', '.join(COLUMNS)}"
     if problem["type"] == "missing":
         return f"{place}: '{key}' is missing"
-    message = problem["msg"].removeprefix("Value error, ")
-    return f"{place}: '{key}' is {shown_value(problem['input'])}; allowed: {message}"
+    return f"{place}: '{key}' is {shown_value(problem['input'])}; allowed: {allowed_words(problem)}"

@@ -12,7 +12,7 @@ from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.order import Order
 from pack_core.palletizing.orders.order_check import misfits_of, problems_of
 from pack_core.palletizing.orders.support import SupportConfig
-from pack_core.text.explanation import Lines
+from pack_core.text.explanation import Lines, refusal
 from pack_core.text.json_text import parse_json
 from pack_core.text.known_keys import meant
 from pack_core.text.reader import read_text
@@ -93,10 +93,7 @@ def _explain(item: Any, data: dict[str, Any], source: str, lines: Lines) -> str:
         return f"{place}: key '{key}' is not known; {meant(Order, item['loc'])}"
     if item["type"] == "missing":
         return f"{place}: key '{key}' is missing"
-    message = item["msg"].removeprefix("Value error, ")
-    if not key:
-        return f"{place}: {message}"
-    return f"{place}: key '{key}' is {shown_value(item['input'])}; allowed: {message}"
+    return refusal(place, key, item)
 
 
 def _name_of(boxes: Any, index: int) -> str:
