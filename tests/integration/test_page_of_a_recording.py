@@ -63,6 +63,19 @@ def test_a_replay_is_titled_with_its_recording(tmp_path) -> None:
     assert "<title>packing</title>" in (tmp_path / "replay.html").read_text()
 
 
+def test_a_recording_goes_where_somebody_has_put_its_slider() -> None:
+    server = open_server(0, "PackCell")
+    try:
+        page = BagPage(server, SAMPLE)
+        page.news.is_paused = True
+        page.page.show()
+        page.slider.value = 6.0  # as the server does in another thread, at any moment
+        page.page.show()
+        assert (page.news.time, page.slider.value) == (6.0, 6.0)
+    finally:
+        server.stop()
+
+
 @pytest.mark.parametrize("start", [0.0, 1e6])
 def test_a_page_that_is_to_begin_outside_of_its_recording_begins_at_its_nearest_moment(start: float) -> None:
     server = open_server(0, "PackCell")

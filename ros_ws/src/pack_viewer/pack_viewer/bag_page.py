@@ -35,6 +35,7 @@ class BagPage:
         server: as given.
         news: the recording, which can be held and set to a time.
         page: what is shown.
+        slider: over the recording's time; where somebody puts it, the recording goes.
 
     Raises:
         BagError: the recording is missing or broken.
@@ -51,7 +52,6 @@ class BagPage:
         self.page = LivePage(
             server, page, self.news, self._add_controls, origin=f"{cell}, recorded: {bag.name}"
         )
-        self._is_moving_slider = False
 
     def run(self, ended: threading.Event) -> None:
         """Play until `ended` is set."""
@@ -64,11 +64,10 @@ class BagPage:
         gui, news = self.server.gui, self.news
         with gui.add_folder("Recording"):
             first, last = round(news.start, 2), round(news.end, 2)
-            self._slider: Any = gui.add_slider(
-                "time [s]", min=first, max=max(last, first + 0.01), step=0.01,
-                initial_value=round(news.time, 2),
+            self._shown = round(news.time, 2)
+            self.slider: Any = gui.add_slider(
+                "time [s]", min=first, max=max(last, first + 0.01), step=0.01, initial_value=self._shown,
             )  # fmt: skip
-            self._slider.on_update(lambda event: self._seek(event.client is not None))
             self._pause = gui.add_button("pause")
             self._pause.on_click(lambda _: self._set_paused(not news.is_paused))
             given = f"{news.rate:g}"
@@ -83,14 +82,12 @@ class BagPage:
         self.news.is_paused = paused
         self._pause.label = "go on" if paused else "pause"
 
-    def _seek(self, by_somebody: bool) -> None:
-        """Go where somebody has put the slider; that it follows the recording is no wish."""
-        if by_somebody:
-            self.news.seek(float(self._slider.value))
-
     def _follow(self) -> None:
-        shown = round(self.news.time, 2)
-        if shown != self._slider.value:
-            self._slider.value = shown
+        # Asked for here and not told by a callback: that would come later, when it may have been set back.
+        if self.slider.value != self._shown:
+            self.news.seek(float(self.slider.value))
+        self._shown = round(self.news.time, 2)
+        if self._shown != self.slider.value:
+            self.slider.value = self._shown
         if self.news.time >= self.news.end and not self.news.is_paused:
             self._set_paused(True)
