@@ -71,7 +71,7 @@ def test_ctrl_c_ends_all_nodes_and_keeps_what_was_recorded(tmp_path: Path) -> No
     folder = tmp_path / "run"
     process = pack("demo", "packing", "--scene", EASY_SCENE, "--output", folder)
     assert process.stdout is not None
-    next(line for line in process.stdout if line.startswith("PRE_PACK"))
+    next(line for line in process.stdout if line.startswith("INSERT"))
     process.send_signal(signal.SIGINT)
     text = output_of(process)
     assert "stopped; what was recorded is in" in text

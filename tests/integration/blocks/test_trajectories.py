@@ -12,6 +12,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from foreign_driver.driver_nodes import ACTION, CONTROLLER, BlocksDriverNode
 from integration.blocks.test_blocks_nodes import start_sim
 from integration.harness import Graph
+from integration.simulation_rig import slowly
 from pack_core.blocks.cell import blocks_cell
 from pack_core.motion.moves import JointMove, Path
 from pack_core.motion.target import MotionTarget
@@ -40,6 +41,16 @@ class Cell:
     def q(self) -> Array:
         return self.sim.simulator.joints().q
 
+    @property
+    def interruptions(self) -> int:
+        """How often the motion took the arm for held, as where a busy machine keeps it waiting."""
+        return self.motion.health.counts["interrupted"]
+
+    @property
+    def trajectories(self) -> int:
+        """How many the driver has taken, but for one after each interruption."""
+        return self.sim.controller.accepted - self.interruptions
+
     def send(self, *goals: Array) -> None:
         """A move through joint positions, without stops between them; without any, a stop of the last one."""
         self._number += bool(goals)
@@ -53,8 +64,8 @@ class Cell:
         self.graph.wait_until(lambda: status[-1].id == self._number and status[-1].state in ended, 60.0)
         return str(status[-1].state)
 
-    def wait_until_fast(self) -> None:
-        self.graph.wait_until(lambda: np.abs(self.sim.simulator.joints().v).max() > 0.4)
+    def wait_until_fast(self, speed: float = 0.4) -> None:
+        self.graph.wait_until(lambda: np.abs(self.sim.simulator.joints().v).max() > speed)
 
 
 @pytest.fixture
@@ -68,7 +79,7 @@ def test_moves_are_trajectories_that_a_stop_replaces_and_a_slider_slows(graph: G
     cell.send(LOOK + TURN, LOOK)
     assert cell.end() == "REACHED"
     np.testing.assert_allclose(cell.q, LOOK, atol=NEAR)
-    assert cell.sim.controller.accepted == 1, "the whole move is one trajectory"
+    assert cell.trajectories == 1, "the whole move is one trajectory"
     told = graph.probe.last(motion.SETPOINTS)  # for recordings, which are evaluated by them
     np.testing.assert_allclose(told.points[-1].positions, LOOK, atol=NEAR)
 
@@ -76,23 +87,28 @@ def test_moves_are_trajectories_that_a_stop_replaces_and_a_slider_slows(graph: G
     cell.wait_until_fast()
     cell.send()  # no segments: stop
     assert cell.end() == "REACHED"
-    assert cell.sim.controller.accepted == 3
+    assert cell.trajectories == 3
     assert np.abs(cell.q - LOOK - TURN).max() > 0.05
 
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     slider = graph.probe.create_publisher(SpeedScalingFactor, f"/{CONTROLLER}/speed_scaling_input", latched)
     cell.send(LOOK)
     cell.wait_until_fast()
-    slider.publish(SpeedScalingFactor(factor=0.0))
-    graph.wait_until(lambda: np.abs(cell.sim.simulator.joints().v).max() < 1e-3)
+    with slowly(cell.sim):
+        interruptions = cell.interruptions
+        slider.publish(SpeedScalingFactor(factor=0.0))
+        graph.wait_until(lambda: np.abs(cell.sim.simulator.joints().v).max() < 1e-3)
     paused, begun = cell.q, cell.sim.simulator.time
     graph.wait_until(lambda: cell.sim.simulator.time > begun + 2.0)  # longer than a move may be stuck
     np.testing.assert_allclose(cell.q, paused, atol=NEAR)
-    slider.publish(SpeedScalingFactor(factor=0.5))
+    with slowly(cell.sim):
+        slider.publish(SpeedScalingFactor(factor=0.5))
+        cell.wait_until_fast(0.1)
+        assert cell.interruptions == interruptions
     assert cell.end() == "REACHED"
     np.testing.assert_allclose(cell.q, LOOK, atol=NEAR)
-    assert cell.sim.controller.accepted == 4
-    assert not cell.motion.health.counts
+    assert cell.trajectories == 4
+    assert set(cell.motion.health.counts) <= {"interrupted"}
     assert not cell.sim.shell.rejections
 
 
