@@ -56,8 +56,8 @@ class PositionDriver:
     name: str = "sim"
 
 
-PACE = "--ros-args -p real_time_factor:=0.5"
-"""Of a driver that is led for 0.2 s ahead: twice the pace, and a busy machine may halt the test for 0.4 s."""
+PACE = "--ros-args -p real_time_factor:=0.3"
+"""Of a driver that is led for 0.2 s ahead: a busy machine may halt the test for 0.6 s."""
 AT_HAND = (
     PositionDriver("palletizing", f"pack run pack_sim pallet_sim_node {PACE}"),
     PositionDriver("palletizing", f"python -m foreign_driver palletizing {PACE}", ACTION),
