@@ -1,4 +1,4 @@
-"""A graph of its own for every integration test, in which cameras open late and nodes have time to answer."""
+"""A graph of its own for every integration test, in which cameras open late."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ LEASE = Duration(seconds=3)
 keep waiting for longer than the half second that separate ones have."""
 
 
-@pytest.fixture(autouse=True)
+@pytest.fixture
 def nodes_are_given_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No node counts as dead because the machine is busy."""
+    """No node counts as dead because the machine is busy: for tests in which none is to be silent."""
     monkeypatch.setattr(ALIVE_QOS, "liveliness_lease_duration", LEASE)
 
 

@@ -25,6 +25,8 @@ from pack_core.ros.messages.motion import to_target
 from pack_motion.motion_node import MotionNode
 from pack_sim.blocks.blocks_sim_node import BlocksSimNode
 
+pytestmark = pytest.mark.usefixtures("nodes_are_given_time")
+
 LOOK = np.array(blocks_cell().robot.look)
 TURNED = LOOK + np.array([0.9, 0.0, 0.0, 0.0, 0.0, 0.0])
 TURNED_THE_OTHER_WAY = LOOK - np.array([0.9, 0.0, 0.0, 0.0, 0.0, 0.0])

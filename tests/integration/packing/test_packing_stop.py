@@ -14,6 +14,8 @@ from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.messages.conversions import from_stamp
 
+pytestmark = pytest.mark.usefixtures("nodes_are_given_time")
+
 FACTOR = 0.3
 """Real-time factor at which one process runs four nodes."""
 BRAKING = 0.3

@@ -27,6 +27,8 @@ from pack_core.rotations import Pose, from_rpy
 from pack_motion.motion_node import MotionNode
 from pack_sim.palletizing.pallet_sim_node import PalletSimNode
 
+pytestmark = pytest.mark.usefixtures("nodes_are_given_time")
+
 MOVE = Path((PoseMove(Pose(np.array([-2.3, 2.4, 1.3]), from_rpy((np.pi, 0.0, 0.0)))),))
 BRAKING = 1.2
 """The arm stands this long after a stop at 0.8 rad/s [s]."""
