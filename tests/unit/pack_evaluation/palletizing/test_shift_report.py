@@ -4,7 +4,7 @@ import pytest
 
 from pack_core.palletizing.cell import PALLET, REJECT_TABLE, REORIENTATION_TABLE
 from pack_core.palletizing.orders.item_list import Item
-from pack_core.palletizing.shift_journal import EventKind, ShiftEvent, WrittenShift
+from pack_core.palletizing.shift_journal import WATCHED, EventKind, ShiftEvent, WrittenShift
 from pack_evaluation.palletizing.shift_report import built_pallets, order_of_pallet, shift_report
 
 SIZE = (0.4, 0.3, 0.2)
@@ -84,3 +84,14 @@ def test_a_shift_that_ended_and_was_gone_on_with_goes_on() -> None:
     assert shift_report(WrittenShift({}, events))["reason"] == "box lost"
     again = (*events, ShiftEvent(9.0, EventKind.BEGAN))
     assert shift_report(WrittenShift({}, again))["reason"] == "it goes on"
+
+
+def test_contacts_and_falls_are_told_only_where_a_simulator_watched_for_them() -> None:
+    touched = ShiftEvent(
+        9.0, EventKind.TOUCHED, reason="arm and box for 0.10 s, up to 40 N", data={"began": 8.8}
+    )
+    events = (*EVENTS[:-1], touched, ShiftEvent(9.5, EventKind.FELL, "b", reason="lies on the floor"))
+    report = shift_report(WrittenShift({WATCHED: True}, events))
+    assert report["unwanted_contacts"] == ["arm and box for 0.10 s, up to 40 N, at 8.8 s"]
+    assert report["fallen"] == ["b"]
+    assert not {"unwanted_contacts", "fallen"} & shift_report(WrittenShift({}, events)).keys()

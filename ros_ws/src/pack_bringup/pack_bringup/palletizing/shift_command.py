@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from datetime import datetime
 from pathlib import Path
@@ -139,7 +139,13 @@ def demo_shift(boxes: int, seed: int, folder: Path, *, is_resumed: bool) -> None
         is_resumed: whether it goes on with what the journal there has; boxes and seed are those of it.
     """
     from pack_bringup.cli.outputs import make_output_folder
-    from pack_core.palletizing.shift_journal import JOURNAL, ShiftJournal, WrittenShift, read_interrupted
+    from pack_core.palletizing.shift_journal import (
+        JOURNAL,
+        WATCHED,
+        ShiftJournal,
+        WrittenShift,
+        read_interrupted,
+    )
     from pack_lockstep.palletizing.shift_lockstep import ShiftLockstep, shift_run_setup
 
     setup = shift_run_setup()
@@ -149,7 +155,7 @@ def demo_shift(boxes: int, seed: int, folder: Path, *, is_resumed: bool) -> None
         boxes, seed = before.facts["boxes"], before.facts["seed"]
     else:
         make_output_folder(folder, taken_by=(JOURNAL,))
-    facts = {"seed": seed, "boxes": boxes, "preset": setup.stream.cell.preset}
+    facts = {"seed": seed, "boxes": boxes, "preset": setup.stream.cell.preset, WATCHED: True}
     with ShiftJournal(folder / JOURNAL, facts) as journal:
 
         def note(events: tuple[ShiftEvent, ...]) -> None:
@@ -158,15 +164,10 @@ def demo_shift(boxes: int, seed: int, folder: Path, *, is_resumed: bool) -> None
                 if line := _line(event):
                     typer.echo(line)
 
-        run_of_shift = ShiftLockstep(setup, boxes, seed, before.events).run(note)
-    went_wrong = {
-        "unwanted_contacts": [f"{' and '.join(e.bodies)} at {e.time:.1f} s" for e in run_of_shift.touches],
-        "fallen": list(run_of_shift.fallen),
-    }
-    report = write_report(folder, went_wrong)
-    is_well = report["settled"] == boxes and not any(
-        (*went_wrong.values(), report["lost"], report["skipped"])
-    )
+        ShiftLockstep(setup, boxes, seed, before.events).run(note)
+    report = write_report(folder)
+    went_wrong = ("unwanted_contacts", "fallen", "lost", "skipped")
+    is_well = report["settled"] == boxes and not any(report[kind] for kind in went_wrong)
     raise typer.Exit(0 if is_well else 1)
 
 
@@ -190,24 +191,19 @@ def demo_live(
 
     job = LiveShiftJob(folder, boxes, seed, real_time_factor=real_time_factor, command=command_line())
     result, pace = run_nodes(job, domain, page, taken_by=(JOURNAL,))
-    write_report(folder, {})
+    write_report(folder)
     end_live(job, result, pace)
 
 
-def write_report(folder: Path, went_wrong: Mapping[str, Sequence[str]]) -> dict[str, Any]:
-    """Write the report of a shift and the pictures of its pallets into its folder, and say what it was like.
-
-    Args:
-        folder: has the journal.
-        went_wrong: by kind, what is known to have gone wrong besides what the journal has.
-    """
+def write_report(folder: Path) -> dict[str, Any]:
+    """From the journal in its folder write the report of a shift and pictures of its pallets; sum it up."""
     from pack_bringup.cli.outputs import write_json
     from pack_core.palletizing.shift_journal import JOURNAL, read_journal
     from pack_evaluation.palletizing.drawings import draw_order
     from pack_evaluation.palletizing.shift_report import built_pallets, order_of_pallet, shift_report
 
     written = read_journal(folder / JOURNAL)
-    report, built = {**shift_report(written), **went_wrong}, built_pallets(written.events)
+    report, built = shift_report(written), built_pallets(written.events)
     (folder / "pictures").mkdir(exist_ok=True)
     for number, pallet in enumerate(built, start=1):
         name = f"{number:03}_{pallet.place}"
@@ -215,7 +211,8 @@ def write_report(folder: Path, went_wrong: Mapping[str, Sequence[str]]) -> dict[
     write_json(folder / "report.json", report)
     taken = sum(pallet.taken is not None for pallet in built)
     hourly, over = report["boxes_per_hour"], report["over_table_share"]
-    wrong = "".join(f"; {len(found)} {kind.replace('_', ' ')}" for kind, found in went_wrong.items())
+    watched = {"unwanted_contacts": "unwanted contacts", "fallen": "boxes on the floor"}
+    wrong = "".join(f"; {len(report[kind])} {words}" for kind, words in watched.items() if kind in report)
     typer.echo(
         f"{report['on_pallets']} of {report['came']} boxes on pallets, {taken} pallets "
         f"taken away, {len(report['rejected'])} boxes rejected"
@@ -279,7 +276,7 @@ def send_shift(
 
     def show(_: object) -> None:
         if (folder / JOURNAL).is_file():  # a goal that was refused has none
-            write_report(folder, {})
+            write_report(folder)
 
     run_goal(wanted, at, reset=reset, show=show)
 
@@ -298,7 +295,9 @@ def _line(event: ShiftEvent) -> str:
             what = f"{event.place.replace('_', ' ')} with {len(event.data['boxes'])} boxes is taken away"
         case "moved":
             what = f"is a little elsewhere: {event.reason}"
-        case "skipped" | "lost" | "ended":
+        case "fell":
+            what = event.reason
+        case "skipped" | "lost" | "touched" | "ended":
             what = f"{event.kind}: {event.reason}"
         case "began" if event.data["standing"]:
             what = f"goes on with {event.data['standing']} boxes that stand" + (

@@ -43,11 +43,16 @@ class EventKind(StrEnum):
     SKIPPED = "skipped"
     LOST = "lost"
     TAKEN = "taken"
+    TOUCHED = "touched"
+    FELL = "fell"
     ENDED = "ended"
 
 
 SETTLED = (EventKind.PUT_DOWN, EventKind.SKIPPED, EventKind.LOST)
 """Events with which a box has been dealt with, and does not come again."""
+WATCHED = "watched"
+"""Name of the fact that a simulator told the journal of unwanted contacts and of boxes on the floor, which a
+real cell has no means to see."""
 
 
 @dataclass(frozen=True)

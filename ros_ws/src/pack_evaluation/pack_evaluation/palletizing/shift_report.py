@@ -14,7 +14,7 @@ from pack_core.palletizing.cell import PALLETS, palletizing_cell
 from pack_core.palletizing.orders.item_list import Item, order_box
 from pack_core.palletizing.orders.order import Order, OrderPallet
 from pack_core.palletizing.orders.placed_box import PlacedBox
-from pack_core.palletizing.shift_journal import SETTLED, EventKind, ShiftEvent, WrittenShift
+from pack_core.palletizing.shift_journal import SETTLED, WATCHED, EventKind, ShiftEvent, WrittenShift
 
 HOUR = 3600.0
 """In seconds."""
@@ -26,7 +26,7 @@ def shift_report(shift: WrittenShift) -> dict[str, Any]:
     `boxes_per_hour` counts boxes put down on pallets, from the first box that came to the last that was put
     down, without the time in which the shift was interrupted. `waits_s` is the time in which no box was in
     work: for a box to come and be measured, or for an empty pallet. `state_s` is the time in each state, a
-    box on a pallet.
+    box on a pallet. `unwanted_contacts` and `fallen` are there only if a simulator watched for them.
     """
     events = shift.events
     put_down = [event for event in events if event.kind is EventKind.PUT_DOWN]
@@ -50,6 +50,7 @@ def shift_report(shift: WrittenShift) -> dict[str, Any]:
         "moved": {event.box: event.reason for event in events if event.kind is EventKind.MOVED},
         "skipped": {event.box: event.reason for event in events if event.kind is EventKind.SKIPPED},
         "lost": {event.box: event.reason for event in events if event.kind is EventKind.LOST},
+        **(_watched(events) if shift.facts.get(WATCHED) else {}),
         "faults": dict(_faults(events)),
         "handling": dict(handling),
         "over_table_share": handling["table"] / len(on_pallets) if on_pallets else None,
@@ -104,6 +105,15 @@ def order_of_pallet(pallet: BuiltPallet, name: str) -> Order:
         placed = PlacedBox(item.id, event.data["lower"], event.data["size"], item.weight)
         boxes.append(order_box(item, placed))
     return Order(order_id=name, pallet=size, boxes=tuple(boxes))
+
+
+def _watched(events: Sequence[ShiftEvent]) -> dict[str, Any]:
+    """What a simulator saw go wrong: contacts by when they began, and boxes on the floor."""
+    touched = [event for event in events if event.kind is EventKind.TOUCHED]
+    return {
+        "unwanted_contacts": [f"{event.reason}, at {event.data['began']:.1f} s" for event in touched],
+        "fallen": [event.box for event in events if event.kind is EventKind.FELL],
+    }
 
 
 def _faults(events: Sequence[ShiftEvent]) -> Counter[str]:

@@ -9,11 +9,11 @@ from typing import Any, ClassVar
 
 from pack_core.palletizing.orders.item_list import Item, placed_item
 from pack_core.palletizing.orders.placed_box import PlacedBox
-from pack_core.palletizing.shift_journal import EventKind, ShiftEvent, WrittenShift
+from pack_core.palletizing.shift_journal import WATCHED, EventKind, ShiftEvent, WrittenShift
 from pack_evaluation.palletizing.shift_report import shift_report
 from pack_lockstep.benchmarking.benchmark import Benchmark, Verdict
 from pack_lockstep.palletizing.shift import StreamJob, judged_stack
-from pack_lockstep.palletizing.shift_lockstep import ClosedPallet, ShiftLockstep, ShiftRun, ShiftRunSetup
+from pack_lockstep.palletizing.shift_lockstep import ClosedPallet, ShiftLockstep, ShiftRunSetup
 
 
 def run_moving(setup: ShiftRunSetup, boxes: int, job: StreamJob) -> dict[str, Any]:
@@ -22,7 +22,7 @@ def run_moving(setup: ShiftRunSetup, boxes: int, job: StreamJob) -> dict[str, An
     All but the decisions' times depends on nothing but the arguments.
     """
     run = ShiftLockstep(setup, boxes, job.seed).run()
-    report = shift_report(WrittenShift({"seed": job.seed}, run.events))
+    report = shift_report(WrittenShift({"seed": job.seed, WATCHED: True}, run.events))
     rejected = set(report["rejected"])
     came = {event.box for event in run.events if event.kind is EventKind.CAME}
     faulty = came & set(run.faults)
@@ -36,18 +36,13 @@ def run_moving(setup: ShiftRunSetup, boxes: int, job: StreamJob) -> dict[str, An
             "waits_s": report["waits_s"], "faults": report["faults"],
             "faulty": len(faulty), "faulty_rejected": len(faulty & rejected),
             "falsely_rejected": len(rejected - faulty), "skipped": len(report["skipped"]),
-            "unwanted_contacts": len(run.touches), "drops": _drops(run),
+            "unwanted_contacts": len(report["unwanted_contacts"]),
+            "drops": len({*report["lost"], *report["fallen"]}),
             "left_hold_mm": [
                 _judged(setup, pallet, run.events)["hold_mm"] for pallet in run.left if pallet.boxes
             ],
         },
     }  # fmt: skip
-
-
-def _drops(run: ShiftRun) -> int:
-    """Boxes that the hand lost, or that lie on the floor at the end."""
-    lost = {event.box for event in run.events if event.kind is EventKind.LOST}
-    return len(lost | set(run.fallen))
 
 
 def _judged(setup: ShiftRunSetup, pallet: ClosedPallet, events: tuple[ShiftEvent, ...]) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -13,9 +14,8 @@ from pack_core.palletizing.cell import REORIENTATION_TABLE
 from pack_core.palletizing.orders.box_stream import shipped_lists
 from pack_core.palletizing.orders.next_place import PlaceAnswer
 from pack_core.palletizing.ports import AskPlace, Command, TakePallet
-from pack_core.palletizing.shift_journal import SETTLED, ShiftEvent
+from pack_core.palletizing.shift_journal import SETTLED, EventKind, ShiftEvent
 from pack_core.rotations import Pose
-from pack_evaluation.palletizing.run import UnwantedTouch
 from pack_lockstep.palletizing.box_finder import BoxFinder, open_box_finder
 from pack_lockstep.palletizing.settings import (
     ArrivalParameters,
@@ -66,8 +66,6 @@ class ShiftRun:
         pallets: those that were taken away.
         left: what stood in the cell at the end, by the name of the place: pallets that were not full.
         faults: by what boxes were tracked by, what was wrong with those of which something was.
-        touches: contacts that should not have been.
-        fallen: boxes that lay on the floor at the end.
         decisions: processor time of each decision [s].
     """
 
@@ -78,8 +76,6 @@ class ShiftRun:
     pallets: tuple[ClosedPallet, ...]
     left: tuple[ClosedPallet, ...]
     faults: dict[str, BoxFault]
-    touches: tuple[UnwantedTouch, ...]
-    fallen: tuple[str, ...]
     decisions: tuple[float, ...]
 
 
@@ -157,6 +153,7 @@ class ShiftLockstep:
         self._answer: tuple[float, PlaceAnswer] | None = None
         self._decisions: list[float] = []
         self._pallets: list[ClosedPallet] = []
+        self._fallen: set[str] = set()
 
     def _taken_over(self, before: Sequence[ShiftEvent], config: ScanConfig) -> TakenOver:
         """What the journal says is put into the simulated cell, but for rejects; what is seen of it then."""
@@ -179,18 +176,43 @@ class ShiftLockstep:
         with open_box_finder(self._cell, self._config.sight, simulator, self._rng) as finder:
             while not self.job.is_over:
                 self._turn(finder)
-                if happened := self.job.events():
+                happened = (*self.job.events(), *self._touches(simulator.time))
+                if happened:
+                    happened = (*happened, *self._falls())
                     events += happened
                     on_events(happened)
         for _ in range(round(self._config.settle / self._config.period)):
             self.stepped.advance()
-        fallen = [name for name, state in simulator.truth().objects.items() if state.X_WO.p[2] < FALLEN]
-        touches = [UnwantedTouch(e.time, e.bodies, e.force) for e in simulator.contacts.events]
+        happened = (*self._touches(math.inf), *self._falls())
+        events += happened
+        on_events(happened)
         left = tuple(self._closed(place, simulator.over(place)) for place in self._cell.pallets)
         return ShiftRun(
             self._seed, self.job.reason, simulator.time, tuple(events), tuple(self._pallets), left,
-            self._arrivals.faults, tuple(touches), tuple(fallen), tuple(self._decisions),
+            self._arrivals.faults, tuple(self._decisions),
         )  # fmt: skip
+
+    def _touches(self, until: float) -> tuple[ShiftEvent, ...]:
+        """Unwanted contacts that ended before `until` [s], each once."""
+        simulator = self.stepped.simulator
+        return tuple(
+            ShiftEvent(
+                simulator.time, EventKind.TOUCHED,
+                reason=f"{' and '.join(touch.bodies)} for {touch.duration:.2f} s, up to {touch.force:.0f} N",
+                data={"began": touch.time, "duration": touch.duration, "force": touch.force},
+            )
+            for touch in simulator.contacts.finished(until)
+        )  # fmt: skip
+
+    def _falls(self) -> tuple[ShiftEvent, ...]:
+        """Boxes that lie on the floor, each once."""
+        simulator = self.stepped.simulator
+        low = {name for name, state in simulator.truth().objects.items() if state.X_WO.p[2] < FALLEN}
+        found = sorted(low - self._fallen)
+        self._fallen |= low
+        return tuple(
+            ShiftEvent(simulator.time, EventKind.FELL, box, reason="lies on the floor") for box in found
+        )
 
     def _turn(self, finder: BoxFinder) -> None:
         """One cycle: observe, step the shift, carry out its commands, and advance motion and physics."""
