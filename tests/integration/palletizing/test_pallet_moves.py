@@ -1,16 +1,21 @@
 """The machine's moves, offered to the motion that plans them, in a cell without physics."""
 
 import numpy as np
+import pytest
 
 from pack_core.motion.target import MotionState, MotionTarget
-from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.cell import PALLET, palletizing_cell
+from pack_core.rotations import POINTING_DOWN, Pose, from_yaw, multiply
 from pack_motion.arm.arm import load_arm
 from pack_motion.controller import MotionController
 from pack_motion.tracking.config import motion_set
 from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
+from pallet_fsm.blended_moves import BlendedMoves
+from pallet_fsm.goals import Goals
 from pallet_fsm.order_book import OrderBook
 from pallet_fsm.palletizer import Palletizer
-from pallet_fsm.palletizer_config import PalletizerConfig
+from pallet_fsm.palletizer_config import BlendedConfig, PalletizerConfig, ThesisConfig, ToolPoseConfig
+from pallet_fsm.states import State
 from unit.pallet_fsm.fake_cell import FakeCell
 from unit.pallet_fsm.fake_motion import FakeMotion
 from unit.pallet_fsm.faults import Faults
@@ -55,3 +60,21 @@ def test_an_order_with_low_boxes_at_the_table_and_high_neighbours_on_the_pallet_
         for command in session.step(cell.observe()):
             cell.apply(command)
     assert session.report().is_complete, session.report().reason
+
+
+@pytest.mark.parametrize("turns", [0, 1, 2, 3])
+@pytest.mark.parametrize("corner", [(0.1, 0.1), (1.1, 0.1), (0.1, 0.7), (1.1, 0.7)])
+def test_the_empty_tool_gets_home_from_each_corner_of_the_pallet(
+    corner: tuple[float, float], turns: int
+) -> None:
+    cell, arm = palletizing_cell(), load_arm("palletizing")
+    p_WT = cell.deck(PALLET).X_WD.apply([*corner, 0.5])
+    X_WT = Pose(p_WT, multiply(from_yaw(0.5 * np.pi * turns), POINTING_DOWN))
+    shoulder, elbow, _ = arm.inverse.branch(np.array(cell.arm.home))
+    moves = BlendedMoves(Goals(cell, ToolPoseConfig()), BlendedConfig(), ThesisConfig())
+    postures = arm.inverse.candidates(X_WT, shoulder, elbow)
+    assert len(postures)
+    for q in postures:
+        motion = MotionController(arm, motion_set("shipped"), 0.0, q)
+        legs = moves.legs(State.RETREAT, State.RETURN, None, X_WT)
+        assert any(motion.command(MotionTarget(1, leg.move)).is_accepted for leg in legs)

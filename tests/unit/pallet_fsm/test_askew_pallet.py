@@ -67,9 +67,10 @@ def test_way_points_over_the_pallet_are_along_its_axes() -> None:
 def test_the_empty_tool_rises_along_the_pallets_vertical_in_both_profiles() -> None:
     cell, X_WT = cell_with(ASKEW), Pose(np.array([0.0, 0.5, 0.6]), POINTING_DOWN)
     goals = Goals(cell, ToolPoseConfig())
-    (home,) = BlendedMoves(goals, BlendedConfig(), ThesisConfig()).legs(
+    home, searched = BlendedMoves(goals, BlendedConfig(), ThesisConfig()).legs(
         State.RETREAT, State.RETURN, None, X_WT
     )
+    assert on_pallet(cell, searched.move.depart.direction) == pytest.approx(UP)
     now = Situation(goals, ThesisConfig(), None, X_WT)
     ends = [line.X_WT.p for line in home.move.segments[:2]]
     ends += [target.X_WT.p for target in targets_of(State.RETREAT, now)]

@@ -35,7 +35,7 @@ class BlendedMoves:
             X_WT: the present pose of the tool.
         """
         if state in (State.RETREAT, State.RETURN):  # straight to the next box, if it was found already
-            home = [self._home(X_WT)]
+            home = self._home(X_WT)
             if item is None or item.X_WB is None:
                 return home
             return self._to_grasp(state, State.GRASP, item, X_WT) + home
@@ -108,13 +108,16 @@ class BlendedMoves:
             for lines in [self._lines(goal, self._goals.in_world(offset, item.deck))]
         ]
 
-    def _home(self, X_WT: Pose) -> Leg:
-        """Up along the pallet's own vertical, then to the safe position."""
+    def _home(self, X_WT: Pose) -> list[Leg]:
+        """Up along the pallet's own vertical, then to the safe position; the lengths are searched if need be.
+
+        Near the arm's base the tool cannot be lifted straight to the safe height in every turn of its own.
+        """
         safe, up = np.array(self._config.safe), self._goals.in_world(UP)
         goal = Pose(safe, X_WT.q)
         cross = PoseMove(goal, label=Part.CROSS.name)
         if X_WT.p[2] >= safe[2] - self._config.lift[0]:
-            return Leg(Path((cross,)), goal, State.RETURN)
+            return [Leg(Path((cross,)), goal, State.RETURN)]
         config = self._config
         slow = Line(
             raised(X_WT, config.slow_length * up), min(config.speed, config.slow_speed), config.acceleration,
@@ -122,7 +125,12 @@ class BlendedMoves:
         )  # fmt: skip
         over = raised(X_WT, (safe[2] - X_WT.p[2]) / up[2] * up)
         lift = Line(over, config.speed, config.acceleration, label=Part.CROSS.name, mode=Mode.FAST)
-        return Leg(Path((slow, lift, cross)), goal, State.RETURN)
+        last = self._line(goal, Part.FINAL, config.speed)
+        searched = Transfer((last,), self._hover(), self._retreat(up, config.lift))
+        return [
+            Leg(Path((slow, lift, cross)), goal, State.RETURN),
+            Leg(searched, goal, State.RETURN),
+        ]
 
     def _lines(self, goal: Pose, offset: Array) -> tuple[Line, Line]:
         """The line to a point offset from the goal, and the last line to the goal itself."""
