@@ -133,3 +133,28 @@ def test_neighbours_of_nearly_the_same_height_hide_an_edge_and_raise_no_alarm(st
 
 def test_what_is_beside_the_pallet_is_none_of_its_business() -> None:
     assert findings([BOX], [BOX, box_on(0.0, 0.72, 0.5, (0.1, 0.6, 0.5))]) == ()
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_box_pushed_against_one_as_high_is_the_only_one_that_was_moved(seed: int) -> None:
+    pushed = box_on(LEVEL, -0.222, 0.559, (0.27, 0.197, 0.151), "pushed")
+    low = box_on(LEVEL, -0.367, 0.253, (0.467, 0.305, 0.152), "low")
+    beside = box_on(LEVEL, 0.05, 0.549, (0.27, 0.19, 0.16), "beside")
+    upper = box_on(LEVEL + 0.152, -0.4, 0.245, (0.4, 0.29, 0.6), "upper")
+    stands = moved(pushed, 0.0006, -0.0272, -0.4)
+    (finding,) = findings([low, pushed, beside, upper], [low, stands, beside, upper], seed)
+    assert finding.box == "pushed"
+    assert finding.shift_W == pytest.approx([0.0006, -0.0272], abs=0.003)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_between_higher_neighbours_that_hide_its_edges_a_box_was_moved_no_farther_than_must_be(
+    seed: int,
+) -> None:
+    box = box_on(LEVEL, -0.1, 0.235, (0.197, 0.27, 0.151))
+    walls = [
+        box_on(LEVEL, -0.4, 0.245, (0.4, 0.29, 0.26), "left"),
+        box_on(LEVEL, 0.307, 0.295, (0.585, 0.39, 0.22), "right"),
+    ]
+    (finding,) = findings([box, *walls], [moved(box, 0.006, 0.012), *walls], seed)
+    assert finding.shift_W == pytest.approx([0.006, 0.012], abs=0.003)

@@ -7,7 +7,7 @@ nearer to the scanner than what is known to stand there.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
 
@@ -152,24 +152,54 @@ class ScannedScene:
 
 @dataclass(frozen=True)
 class Judgement:
-    """What is wrong with a box; None: nothing. And the box where it stands; None: it does not."""
+    """What is wrong with a box; None: nothing. And the box where it stands; None: it does not.
+
+    Attributes:
+        certainty: of a box that was moved: by how many standard deviations.
+    """
 
     finding: Finding | None
     standing: Obstacle | None
+    certainty: float = 0.0
 
 
 def compare(scene: ScannedScene, tolerances: ScanTolerances) -> tuple[Finding, ...]:
-    """What is not as it should be; nothing where all is, as far as the scanner can see it."""
+    """What is not as it should be; nothing where all is, as far as the scanner can see it.
+
+    A box that was pushed against one as high looks as if that one were longer, and so moved. Of all boxes
+    that seem to have moved the surest is believed, and the others are judged anew beside it where it stands.
+    """
     rays = registered(scene.rays, scene.place, scene.boxes, tolerances.height, tolerances.slack)
-    scene = replace(scene, rays=rays)
-    judged = [
-        _judged(scene, box, others, tolerances)
-        for box, others in zip(scene.boxes, _all_others(scene, tolerances.slack), strict=True)
-    ]
-    findings = [one.finding for one in judged if one.finding is not None]
+    scene, moved = replace(scene, rays=rays), dict[str, Finding]()
+    judged = _all_judged(scene, tolerances)
+    while surest := _surest(judged, moved):
+        finding, standing = surest
+        moved[finding.box] = finding
+        boxes = tuple(standing if box.name == finding.box else box for box in scene.boxes)
+        scene = replace(scene, boxes=boxes)
+        judged = _all_judged(scene, tolerances)
+    findings = [*moved.values(), *(one.finding for one in judged if one.finding and not _is_move(one))]
     if not any(finding.oddity is Oddity.OTHER for finding in findings):  # that is a foreign thing itself
         findings += _foreign(scene, [one.standing for one in judged if one.standing is not None], tolerances)
     return tuple(findings)
+
+
+def _surest(judged: Sequence[Judgement], moved: Collection[str]) -> tuple[Finding, Obstacle] | None:
+    """Of the boxes that seem to have moved, but for those that are known to have, the surest."""
+    seeming = [one for one in judged if _is_move(one) and one.finding and one.finding.box not in moved]
+    surest = max(seeming, key=lambda one: one.certainty, default=None)
+    if surest is None or surest.finding is None or surest.standing is None:
+        return None
+    return surest.finding, surest.standing
+
+
+def _is_move(one: Judgement) -> bool:
+    return one.finding is not None and one.finding.oddity is Oddity.MOVED
+
+
+def _all_judged(scene: ScannedScene, tolerances: ScanTolerances) -> list[Judgement]:
+    others = _all_others(scene, tolerances.slack)
+    return [_judged(scene, box, beside, tolerances) for box, beside in zip(scene.boxes, others, strict=True)]
 
 
 def _all_others(scene: ScannedScene, slack: float) -> list[Array]:
@@ -213,7 +243,8 @@ def _moved(box: Obstacle, face: BoxTop, found: FaceFit, limits: ScanTolerances) 
     p_WO = face.p_WF + shift_W + rotate(q_turn, box.X_WO.p - face.p_WF)
     standing = Obstacle(box.name, Pose(p_WO, multiply(q_turn, box.X_WO.q)), box.size)
     turn_deg = float(np.rad2deg(found.shift[2]))
-    return Judgement(Finding(Oddity.MOVED, box.name, shift_W[:2], turn_deg), standing)
+    certainty = float(np.max(np.abs(found.shift) / found.sigma))
+    return Judgement(Finding(Oddity.MOVED, box.name, shift_W[:2], turn_deg), standing, certainty)
 
 
 def _foreign(scene: ScannedScene, boxes: Sequence[Obstacle], limits: ScanTolerances) -> list[Finding]:

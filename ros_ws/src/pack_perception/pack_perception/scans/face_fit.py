@@ -81,6 +81,8 @@ CLOSE = 2e-5
 """Newton's method ends when a step is smaller [m, rad]."""
 PRIOR = np.array([0.05, 0.05, 0.5])
 """Standard deviations before anything is seen [m, m, rad], by which a shift that no ray tells of stays 0."""
+OPEN = 0.005
+"""Shifts along an axis in a range that is wider than this are all as likely [m]: its edges were not seen."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +103,8 @@ def fit_face(points: Array, is_on: Array, half: Array, slack: float) -> FaceFit:
     """The rectangle that best parts points in those on it and those beside it.
 
     It is the logistic regression of `is_on` on the signed distance from the nearest edge, by Newton's method:
-    a ray far from the edge counts nothing, one at the wrong side as much as it is far from it.
+    a ray far from the edge counts nothing, one at the wrong side as much as it is far from it. Along an axis
+    of which neighbours hide both edges a range of shifts is left; of those the least is taken.
 
     Args:
         points: where rays cross the plane `(n, 2)` [m].
@@ -115,7 +118,28 @@ def fit_face(points: Array, is_on: Array, half: Array, slack: float) -> FaceFit:
             shift = _newton(points, sign, half, width, shift)[0]
     near = np.abs(depths(points, half, shift)) < BESIDE
     shift, information = _newton(points[near], sign[near], half, FINE, shift)
-    return FaceFit(shift, np.sqrt(np.diag(np.linalg.inv(information))))
+    sigma = np.sqrt(np.diag(np.linalg.inv(information)))
+    return _least_where_open(points, is_on, half, slack, FaceFit(shift, sigma))
+
+
+def _least_where_open(points: Array, is_on: Array, half: Array, slack: float, found: FaceFit) -> FaceFit:
+    """The same fit, but for the axes along which the points leave a wide range of shifts.
+
+    The face covers all points on it, and none beside it that lie between its other two edges.
+    """
+    c, s = np.cos(found.shift[2]), np.sin(found.shift[2])
+    R = np.array([[c, -s], [s, c]])
+    turned, shift, sigma = points @ R, found.shift[:2] @ R, found.sigma.copy()
+    for axis in (0, 1):
+        on, across = turned[is_on, axis], turned[:, 1 - axis] - shift[1 - axis]
+        off = turned[np.logical_not(is_on) & (np.abs(across) < half[1 - axis] - slack), axis]
+        above, below = off[off > shift[axis]], off[off < shift[axis]]
+        low = max(on.max(initial=-np.inf) - half[axis], below.max(initial=-np.inf) + half[axis])
+        high = min(on.min(initial=np.inf) + half[axis], above.min(initial=np.inf) - half[axis])
+        if high - low > OPEN:
+            shift[axis] = np.clip(0.0, low, high)
+            sigma[axis] = max(sigma[axis], min(0.5 * (high - low), PRIOR[axis]))
+    return FaceFit(np.append(R @ shift, found.shift[2]), sigma)
 
 
 def depths(points: Array, half: Array, shift: Array) -> Array:
