@@ -10,15 +10,17 @@ import pytest
 from pack_core.palletizing.arm import arm_kinematics
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.orders.handling import Handling
+from pack_core.palletizing.orders.item_list import Item, order_box
 from pack_core.palletizing.orders.layout_plan import Insertion, PlannedBox
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.robots.joint_properties import FLIP, LONG_WAY
 from pack_core.robots.kr210 import LIMITS
 from pack_core.rotations import Pose, from_yaw
-from pallet_fsm.goals import Goals, joint_time
+from pallet_fsm.goals import BACK, OBLIQUE, Goals, joint_time
 from pallet_fsm.order_book import WorkItem
 from pallet_fsm.palletizer_config import ToolPoseConfig
-from pallet_fsm.tool_poses import grasps, placements, stands
+from pallet_fsm.tool_poses import Stand, grasps, placements, stands
+from unit.pallet_fsm.fake_shift import CELL as SHIFT_CELL
 from unit.pallet_fsm.whole_orders import given_order
 
 CELL, POSES, ARM = palletizing_cell(), ToolPoseConfig(), arm_kinematics()
@@ -48,6 +50,25 @@ def test_what_is_out_of_reach_takes_for_ever() -> None:
     assert joint_time(pose_at(*np.zeros(6)), Pose(np.array([9.0, 0.0, 1.0]))) == np.inf
 
 
+def has_way_back(stand: Stand) -> bool:
+    """Whether the arm can step straight back from a box that it has stood up."""
+    return joint_time(stand.X_WT, Pose(stand.X_WT.p - BACK * stand.approach, stand.X_WT.q)) < np.inf
+
+
+def test_a_box_is_stood_up_where_the_arm_can_step_straight_back() -> None:
+    # Where table B stands in shifts, one of both edges is so near to the arm's base that it cannot.
+    listed = Item(id="a", article="a", size=(0.413, 0.311, 0.121), weight=12.0, this_side_up=False)
+    placed = PlacedBox("a", np.array([0.0, 0.0, 0.23]), np.array([0.413, 0.121, 0.311]), 12.0)
+    box, start = order_box(listed, placed), pose_at(*np.zeros(6))
+    X_WB = Pose(np.array([-1.3, 2.3, 0.8]))
+    for pick in grasps(X_WB, np.array(box.dims), POSES):
+        plan = PlannedBox(placed, Insertion("Up", np.zeros(3), 0.0))
+        item = WorkItem(box, plan, X_WB=X_WB, X_TB=pick.inverse() @ X_WB)
+        found = Goals(SHIFT_CELL, POSES).stands(item, start)
+        assert {has_way_back(stand) for stand in found} == {True, False}
+        assert has_way_back(found[0])
+
+
 @pytest.mark.parametrize("box", TURNED[::20], ids=lambda box: box.id)
 def test_a_box_is_taken_so_that_its_whole_way_over_table_b_is_the_quickest(box) -> None:
     dims, start = np.array(box.dims), pose_at(*np.zeros(6))
@@ -63,6 +84,7 @@ def test_a_box_is_taken_so_that_its_whole_way_over_table_b_is_the_quickest(box) 
                 for place in placements(placed, box, X_TB, CELL.pallet.X_WP, POSES):
                     way = (start, pick, stand.X_WT, again, place)
                     total = sum(joint_time(*leg) for leg in pairwise(way))
+                    total += 0.0 if has_way_back(stand) else OBLIQUE
                     times[k] = min(total, times.get(k, np.inf))
 
     first = Goals(CELL, POSES).grasps(item, start)[0]

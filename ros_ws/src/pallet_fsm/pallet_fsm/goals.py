@@ -26,6 +26,10 @@ from pallet_fsm.tool_poses import Stand, grasps, placements, stands
 
 TURNS = 2.0 * np.pi * np.array([[-1.0], [0.0], [1.0]])
 """By which a joint may be turned farther [rad]."""
+BACK = 0.2
+"""By which the arm should be able to step straight back from a box that it has stood up [m]."""
+OBLIQUE = 5.0
+"""What a stand counts for longer where it cannot, as oblique ways back are often out of reach, too [s]."""
 
 
 def joint_time(X_from: Pose, X_to: Pose) -> float:
@@ -138,7 +142,9 @@ class Goals:
 
     def _stands(self, item: WorkItem, X_TB: Pose, X_WT: Pose) -> tuple[float, list[Stand]]:
         def onward(stand: Stand) -> float:
-            return self._grasps(item, stand.X_WB, stand.X_WT, is_to_stand=False)[0]
+            back = joint_time(stand.X_WT, raised(stand.X_WT, -BACK * stand.approach))
+            way = self._grasps(item, stand.X_WB, stand.X_WT, is_to_stand=False)[0]
+            return way + (0.0 if np.isfinite(back) else OBLIQUE)
 
         found = stands(item.box, X_TB, self._cell, self._config)
         return _quickest([(stand, stand.X_WT) for stand in found], X_WT, onward)
