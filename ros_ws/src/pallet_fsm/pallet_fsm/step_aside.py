@@ -21,7 +21,7 @@ NEXT_TO = 0.05
 
 
 class StepAside:
-    """Brings the empty hand straight up and to its safe position, from wherever the arm was left.
+    """Brings the empty hand up and to its safe position, from wherever the arm was left.
 
     Args:
         cell: the cell's physical facts.
