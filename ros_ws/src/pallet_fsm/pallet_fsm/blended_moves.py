@@ -111,7 +111,7 @@ class BlendedMoves:
     def _home(self, X_WT: Pose) -> list[Leg]:
         """Up along the pallet's own vertical, then to the safe position; the lengths are searched if need be.
 
-        Near the arm's base the tool cannot be lifted straight to the safe height in every turn of its own.
+        Over the corner of the pallet that is farthest from its base the arm cannot reach the safe height.
         """
         safe, up = np.array(self._config.safe), self._goals.in_world(UP)
         goal = Pose(safe, X_WT.q)
