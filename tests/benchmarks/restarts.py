@@ -21,7 +21,6 @@ import typer
 from pack_core.errors import PackError
 from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import REORIENTATION_TABLE
-from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.palletizing.shift_journal import SETTLED, EventKind, ShiftEvent, read_journal
 from pack_core.rotations import Pose, from_yaw, multiply
 from pack_lockstep.palletizing.shift_lockstep import ShiftLockstep, ShiftRunSetup, shift_run_setup
@@ -60,21 +59,15 @@ class Found:
     wrong: list[str] = field(default_factory=list)
 
 
-def is_uncovered(box: PlacedBox, others: Sequence[PlacedBox]) -> bool:
-    """Whether nothing stands on a box."""
-    top = box.lower[2] + box.size[2]
-    return not any(
-        other.lower[2] > top - 0.001
-        and np.all(other.lower[:2] < box.lower[:2] + box.size[:2])
-        and np.all(box.lower[:2] < other.lower[:2] + other.size[:2])
-        for other in others
-    )
+def body_of(work: WorkItem) -> BoxBody:
+    """The box as the simulator takes it."""
+    return BoxBody(work.name, work.box.dims, work.box.weight)
 
 
 def pushed(lockstep: ShiftLockstep, work: WorkItem, rng: np.random.Generator) -> Pose | None:
     """Put a box a little beside its place, X_WB; None if something stands wherever it was tried."""
     assert work.X_WB is not None
-    body = BoxBody(work.name, work.box.dims, work.box.weight)
+    body = body_of(work)
     for _ in range(ATTEMPTS):
         way, heading = rng.uniform(*PUSH), rng.uniform(0.0, 2.0 * np.pi)
         turn = from_yaw(np.deg2rad(rng.uniform(-TURN_DEG, TURN_DEG)))
@@ -97,14 +90,13 @@ def look(setup: ShiftRunSetup, before: Sequence[ShiftEvent], rng: np.random.Gene
     for pallet in cell.pallets:
         there = [work for work, _ in standing if work.deck == pallet]
         places = [work.plan.placed for work in there]
-        free = [work for work in there if is_uncovered(work.plan.placed, places)]
+        free = [work for work in there if not any(box.is_over(work.plan.placed) for box in places)]
         if free:
             chosen[pallet] = free[int(rng.integers(len(free)))]
     names = {work.name for work in chosen.values()}
     for work, _ in standing:
         if work.name not in names:
-            body = BoxBody(work.name, work.box.dims, work.box.weight)
-            lockstep.stepped.simulator.spawn(body, work.X_WB)
+            lockstep.stepped.simulator.spawn(body_of(work), work.X_WB)
     truth = {work.name: pushed(lockstep, work, rng) for work in chosen.values()}
     began = {work.name: work.X_WB for work in chosen.values()}
     scans = {place: lockstep.stepped.scan(place) for place in (*cell.pallets, REORIENTATION_TABLE)}
@@ -158,6 +150,8 @@ def main(journal: Path, times: int = 20, boxes: int = 2, seed: int = 1) -> None:
         ("place", found.errors, "mm", 1e3),
         ("turn", found.turn_errors, "deg", 1.0),
     ):
+        if not errors:
+            continue
         p95, largest = scale * np.percentile(errors, 95), scale * max(errors)
         typer.echo(
             f"{name} of {len(errors)} pushed boxes: p95 {p95:.2f} {unit}, largest {largest:.2f} {unit}"

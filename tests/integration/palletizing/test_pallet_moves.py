@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pack_core.motion.target import MotionState, MotionTarget
-from pack_core.palletizing.cell import PALLET, palletizing_cell
+from pack_core.palletizing.cell import palletizing_cell
 from pack_core.rotations import POINTING_DOWN, Pose, from_yaw, multiply
 from pack_motion.arm.arm import load_arm
 from pack_motion.controller import MotionController
@@ -20,6 +20,8 @@ from unit.pallet_fsm.fake_cell import FakeCell
 from unit.pallet_fsm.fake_motion import FakeMotion
 from unit.pallet_fsm.faults import Faults
 from unit.pallet_fsm.whole_orders import given_order
+
+SHIFT_CELL = palletizing_cell("shift")
 
 
 class PlannedMotion(FakeMotion):
@@ -63,12 +65,13 @@ def test_an_order_with_low_boxes_at_the_table_and_high_neighbours_on_the_pallet_
 
 
 @pytest.mark.parametrize("turns", [0, 1, 2, 3])
+@pytest.mark.parametrize("place", SHIFT_CELL.pallets)
 @pytest.mark.parametrize("corner", [(0.1, 0.1), (1.1, 0.1), (0.1, 0.7), (1.1, 0.7)])
 def test_the_empty_tool_gets_home_from_each_corner_of_the_pallet(
-    corner: tuple[float, float], turns: int
+    corner: tuple[float, float], place: str, turns: int
 ) -> None:
-    cell, arm = palletizing_cell(), load_arm("palletizing")
-    p_WT = cell.deck(PALLET).X_WD.apply([*corner, 0.5])
+    cell, arm = SHIFT_CELL, load_arm("palletizing")
+    p_WT = cell.deck(place).X_WD.apply([*corner, 0.5])
     X_WT = Pose(p_WT, multiply(from_yaw(0.5 * np.pi * turns), POINTING_DOWN))
     shoulder, elbow, _ = arm.inverse.branch(np.array(cell.arm.home))
     moves = BlendedMoves(Goals(cell, ToolPoseConfig()), BlendedConfig(), ThesisConfig())

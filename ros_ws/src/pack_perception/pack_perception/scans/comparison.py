@@ -154,6 +154,8 @@ class ScannedScene:
 class Judgement:
     """What is wrong with a box; None: nothing. And the box where it stands; None: it does not.
 
+    A box that was moved has both.
+
     Attributes:
         certainty: of a box that was moved: by how many standard deviations.
     """
@@ -178,7 +180,7 @@ def compare(scene: ScannedScene, tolerances: ScanTolerances) -> tuple[Finding, .
         boxes = tuple(standing if box.name == finding.box else box for box in scene.boxes)
         scene = replace(scene, boxes=boxes)
         judged = _all_judged(scene, tolerances)
-    findings = [*moved.values(), *(one.finding for one in judged if one.finding and not _is_move(one))]
+    findings = [*moved.values(), *(one.finding for one in judged if one.finding and not one.standing)]
     if not any(finding.oddity is Oddity.OTHER for finding in findings):  # that is a foreign thing itself
         findings += _foreign(scene, [one.standing for one in judged if one.standing is not None], tolerances)
     return tuple(findings)
@@ -186,15 +188,15 @@ def compare(scene: ScannedScene, tolerances: ScanTolerances) -> tuple[Finding, .
 
 def _surest(judged: Sequence[Judgement], moved: Collection[str]) -> tuple[Finding, Obstacle] | None:
     """Of the boxes that seem to have moved, but for those that are known to have, the surest."""
-    seeming = [one for one in judged if _is_move(one) and one.finding and one.finding.box not in moved]
-    surest = max(seeming, key=lambda one: one.certainty, default=None)
-    if surest is None or surest.finding is None or surest.standing is None:
+    seeming = [
+        (one.certainty, one.finding, one.standing)
+        for one in judged
+        if one.finding and one.standing and one.finding.box not in moved
+    ]
+    if not seeming:
         return None
-    return surest.finding, surest.standing
-
-
-def _is_move(one: Judgement) -> bool:
-    return one.finding is not None and one.finding.oddity is Oddity.MOVED
+    _, finding, standing = max(seeming, key=lambda one: one[0])
+    return finding, standing
 
 
 def _all_judged(scene: ScannedScene, tolerances: ScanTolerances) -> list[Judgement]:
